@@ -159,9 +159,9 @@ def rigid(
 
 def _force_band(case: Case, is_requested: bool) -> ForceBand:
     """Return a case's force band if requested."""
-    from tailslap.campaign import band_samples
+    from tailslap.validation.calibration import calibrated_band
 
-    return band_samples.force_band(case) if is_requested else ForceBand(refusal="not requested")
+    return calibrated_band(case) if is_requested else ForceBand(refusal="not requested")
 
 
 @checked_arguments

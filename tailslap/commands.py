@@ -26,6 +26,8 @@ from tailslap.storage.manifest import Origin
 from tailslap.studies.study import Study, prepared
 
 if TYPE_CHECKING:
+    from typing import Literal
+
     from postprocess.report.command_report import Report
     from tailslap.result.result import Result
 
@@ -531,11 +533,23 @@ def paper(out: Path | None, force: bool, as_json: bool) -> int:
 
 
 @commands.command()
+@click.option(
+    "--set",
+    "ranges",
+    type=click.Choice(["first", "second"]),
+    default="second",
+    help="Ranges of the inputs: fixed before the first prediction, or chosen later.",
+    show_default=True,
+)
 @click.option("--out", type=options.Folder(), help="Result folder  [default: results/validation]")
 @options.with_options(options.FORCE, options.JSON, options.QUIET)
-def validate(out: Path | None, force: bool, as_json: bool) -> int:
-    """Compare published forces, durations and speeds with blind predictions."""
+def validate(ranges: Literal["first", "second"], out: Path | None, force: bool, as_json: bool) -> int:
+    """Compare published forces, durations and speeds with predictions."""
     from tailslap.validation.validation_report import PAGE
 
     place = out or default_place("validation", ())
-    return deliver(tailslap.validate, place, Origin("validate", ""), as_json, force=force, page=PAGE)
+
+    def computed() -> Result:
+        return tailslap.validate(ranges)
+
+    return deliver(computed, place, Origin("validate", ""), as_json, force=force, page=PAGE)

@@ -34,6 +34,8 @@ WORDS = {
     "angle": "the angle", "mass": "the mass", "yaw_inertia": "the yaw inertia", "friction": "friction",
 }  # fmt: skip
 """Inputs in words by the last part of their keys."""
+FIRST = 8
+"""Impacts in the plane before all others: a law that requires too many steps is mostly refused among them."""
 
 TOO_FEW = "too few of the varied inputs have a solution"
 
@@ -124,6 +126,7 @@ def _problem(case: Any, block: int) -> tuple[tuple[Range, ...], Any]:
     """
     if case.scene.contact is None:
         return planar_ranges.corner_ranges(case), case.many  # closed forms, faster than a thread starts
+    first = 1
     if case.scene.body is not None:
         from tailslap.campaign import space_samples
 
@@ -131,8 +134,8 @@ def _problem(case: Any, block: int) -> tuple[tuple[Range, ...], Any]:
         solve = partial(space_samples.sample_answers, case.scene, names=("mean_50ms", "outcome"))
     else:
         planar_ranges.demand_crush(case)
-        ranges, solve = planar_ranges.impact_ranges(case), case.largest_means
-    return ranges, partial(sampling.solved_in_blocks, solve, block=block)
+        ranges, solve, first = planar_ranges.impact_ranges(case), case.largest_means, FIRST
+    return ranges, partial(sampling.solved_in_blocks, solve, block=block, first=first)
 
 
 def _band(ranges: tuple[Range, ...], inputs: Columns, columns: Columns) -> ForceBand:

@@ -31,11 +31,13 @@ CRUSH: dict[str, Callable[[float], Limits]] = {
     ),
     "restitution": lambda value: (0.1, 0.35, "assumed; 0.22: the paper"),
     "unloading_stiffness": lambda value: about(value, 0.5 * value, "± 50 %, assumed"),
-    "hardening": lambda value: about(value, 0.8 * value, "± 80 %, assumed"),
+    "hardening": lambda value: about(value, 0.8 * value, "± 80 %, assumed: 0.1 to 0.9 MN/m of 2 MN/m"),
 }
 """Default range of each crush parameter of a corner from its value in the scene."""
-CONTACT_FRICTION = 0.2, 0.5, "assumed; 0.2: FHWA/NTRCI model of TL5CMB-2, 0.47: the paper"
+CONTACT_FRICTION = 0.1, 0.35, "ratios of impulses 0.13 to 0.31: National Academies 27896; 0.2: TL5CMB-2"
 """Default range of the friction of a whole impact."""
+HARDENING = 0.25
+"""Assumed hardening over stiffness of a plateau where the scene omits it: 0.5 MN/m of 2 MN/m."""
 LIGHT_VEHICLES = {"1100C": (2420.0, 55.0), "2270P": (5000.0, 110.0)}
 """Inertial mass and its tolerance [lb] by vehicle of MASH."""
 
@@ -65,6 +67,19 @@ def impact_limits(scene: schema.Scene, mass: float) -> dict[str, Limits]:
     limits = {"vehicle.mass": about(mass, 0.05 * mass, "± 5 %, assumed")} | default_limits(scene)
     keys = ("vehicle.mass", "impact.speed", "impact.angle")
     return {key: limits[key] for key in keys} | {"contact.friction": CONTACT_FRICTION}
+
+
+def nominal_value(scene: schema.Scene, key: str) -> float | None:
+    """Return the value of a key about which it varies [SI].
+
+    An omitted hardening beside a plateau is `HARDENING` of the stiffness; that of the scene may be 0.
+    """
+    table, _, name = key.rpartition(".")
+    law, value = schema.value_at(scene, table), schema.value_at(scene, key)
+    if name != "hardening" or law is None or name in law.model_fields_set:
+        return None if value is None else float(value)
+    plateau = law.plateau_force if table == "contact" else law.plateau
+    return 0.0 if plateau is None or law.stiffness is None else HARDENING * float(law.stiffness)
 
 
 def about(value: float, tolerance: float, origin: str) -> Limits:

@@ -16,6 +16,7 @@ from tailslap.campaign.input_ranges import (
     about,
     default_limits,
     impact_limits,
+    nominal_value,
     ranges_of,
 )
 from tailslap.case.impact.rigid_input import touching
@@ -89,7 +90,10 @@ def impact_ranges(
             raise InputError(
                 item.key, f"{item.lower}:{item.upper}", "allowed are angles above 0 and below 90 deg"
             )
-    return tuple(replace(item, scene_value=nominal[item.key]) for item in varied)
+    assumed = {item.key for item in varied if item.scene_value == 0.0 < nominal[item.key]}
+    return tuple(
+        replace(item, scene_value=None if item.key in assumed else nominal[item.key]) for item in varied
+    )
 
 
 def _nominal(case: ImpactCase) -> dict[str, float]:
@@ -98,6 +102,7 @@ def _nominal(case: ImpactCase) -> dict[str, float]:
     Values of each corner and the yaw inertia are included.
     """
     values = case.inputs | {"vehicle.yaw_inertia": case.vehicle.inertia}
+    values |= {key: nominal_value(case.scene, key) or 0.0 for key in values if key.endswith(".hardening")}
     parts = [part for part in touching(case.scene) if part.number is None]
     keys = (part.keys[name] for part in parts for name in CRUSH)
     of_corners = {
@@ -135,7 +140,8 @@ def _law_limits(key: str, value: float) -> Limits | None:
     table, *_, name = key.partition("@")[0].split(".")
     if name == "plateau":
         return about(value, 3.0 / 7.0 * value, "± 43 %, assumed: 200 to 500 kN of 350 kN of a corner")
-    varies = name in CRUSH and (value or name != "hardening")
+    of_all = name == "restitution" and "@" in key  # one restitution, that of the first corner
+    varies = name in CRUSH and (value or name != "hardening") and not of_all
     return CRUSH[name](value) if table in ("contact", "strip") and varies else None
 
 

@@ -126,22 +126,24 @@ def solved_in_blocks(
     inputs: Mapping[str, Array],
     block: int,
     show: Callable[[float], None] = lambda fraction: None,
+    first: int = 1,
 ) -> dict[str, Array]:
     """Compute results of inputs in blocks on all cores.
 
-    solve: see `sampled`. block: number of samples at a time. show: takes the fraction of finished samples.
+    solve: see `sampled`. block: number of samples at a time. show: takes the fraction of finished samples. first:
+    number of samples before all others, which compile, or are refused at little cost.
     """
     from concurrent.futures import ThreadPoolExecutor
 
     size, results = next(iter(inputs.values())).size, dict[str, Array]()
-    blocks = [slice(0, 1), *(slice(first, first + block) for first in range(1, size, block))]
+    blocks = [slice(0, first), *(slice(start, start + block) for start in range(first, size, block))]
     threads = ThreadPoolExecutor(resources.available_cores())  # compiled code runs beside other threads
 
     def of_block(rows: slice) -> Mapping[str, Array]:
         return solve({key: values[rows] for key, values in inputs.items()})
 
     def of_blocks() -> Iterator[Mapping[str, Array]]:
-        yield of_block(blocks[0])  # one sample alone, since it may compile
+        yield of_block(blocks[0])
         yield from threads.map(of_block, blocks[1:])
 
     try:

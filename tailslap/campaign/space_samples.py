@@ -14,7 +14,7 @@ import numpy as np
 from solver import space
 from solver.conditions import RigidBodyError
 from tailslap.campaign import input_ranges
-from tailslap.campaign.input_ranges import Limits, Range, TypedLimits, about
+from tailslap.campaign.input_ranges import Limits, Range, TypedLimits, about, nominal_value
 from tailslap.campaign.sampling import Array
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.space import space_input
@@ -83,7 +83,7 @@ def members(scene: Scene, key: str) -> list[str]:
     """
     table, _, name = key.split(".")
     keys = [f"{table}.{number}.{name}" for number in range(len(getattr(scene, table)))]
-    return [key for key in keys if value_at(scene, key)]
+    return [key for key in keys if nominal_value(scene, key)]
 
 
 def default_ranges(case: ImpactCase, nominal: Mapping[str, float]) -> dict[str, Limits]:
@@ -166,7 +166,7 @@ def expanded(scene: Scene, inputs: Mapping[str, Any]) -> dict[str, Any]:
     values: dict[str, Any] = {}
     for key in inputs:
         if "*" in key:
-            values |= {member: value_at(scene, member) * inputs[key] for member in members(scene, key)}
+            values |= {member: nominal_value(scene, member) * inputs[key] for member in members(scene, key)}
     values |= {key: value for key, value in inputs.items() if "*" not in key}
     return values
 

@@ -68,8 +68,8 @@ class Calibration:
         Smallest and largest published value over its predicted median [-].
     factor : float or None
         Factor on the logarithms of the band of the inputs; None where the rows are too few.
-    rows_held, studies_held : int
-        Rows within the band that the other studies calibrate, and studies with all of their rows in it.
+    rows_held, studies_held : int or None
+        Rows within the band that the other studies calibrate, and studies with all of their rows in it; None likewise.
     """
 
     name: str
@@ -78,14 +78,15 @@ class Calibration:
     least: float
     most: float
     factor: float | None = None
-    rows_held: int = 0
-    studies_held: int = 0
+    rows_held: int | None = None
+    studies_held: int | None = None
 
     @property
     def sentence(self) -> str:
         """How the band was tested, in words."""
         if self.factor is None:
-            ratios = f"{self.least:.2g} to {self.most:.2g} in {self.rows} rows"
+            ends = dict.fromkeys(f"{ratio:.1f}" for ratio in (self.least, self.most))
+            ratios = f"{' to '.join(ends)} in {self.rows} row{'s' if self.rows > 1 else ''}"
             return f"inputs alone, not calibrated; published over predicted {ratios} of {self.name}"
         return (
             f"calibrated by {self.name}: the logarithms of the band of the inputs times {self.factor:.2f}; of studies "

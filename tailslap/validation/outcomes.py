@@ -7,30 +7,21 @@ the probabilities: a wall of at least their height holds.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from solver import space
-from tailslap.campaign import sampling, space_samples
-from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.units import to_si
-from tailslap.scene.vary import Source, vary
+from tailslap.validation.samples import Floats, samples_of
 
-Floats = NDArray[np.float64]
-
-SAMPLES, BLOCK = 256, 32
-"""Motions of each case, and at a time on one core."""
+SAMPLES = 256
+"""Motions of each case."""
 
 UPRIGHT, SIDE, OVER = space.OUTCOMES
 CONTAINED = "contained"
 STATED = {CONTAINED: (UPRIGHT, SIDE), UPRIGHT: (UPRIGHT,), SIDE: (SIDE,), OVER: (OVER,)}
 """Outcomes that a published one may be."""
-
-COLUMNS = {"outcome": "outcome", "space_mean_50ms": "mean_50ms", "height": "height"}
-"""Answers of `solver.space` by quantity."""
 
 OURS, ALWAYS = "this program", "always contained"
 
@@ -82,29 +73,13 @@ def rule_height(rule: Mapping[str, str]) -> float:
     return centre - weight * width / (2.0 * force)
 
 
-def predicted_samples(case: Mapping[str, Any], vehicle: Mapping[str, Any]) -> dict[str, Floats]:
-    """Return outcome, force and height of the samples of a case.
-
-    Of shape (n,) [N], [m].
-    """
-    scene, source = vary(Source(tables=vehicle["scene"] | {"wall": case["wall"]}), {})
-    ranges = space_samples.stated_ranges(
-        ImpactCase(scene, source), vehicle["ranges"] | case.get("ranges", {})
-    )
-    points, _ = sampling.sobol_points(ranges, SAMPLES)
-    inputs = dict(zip((item.key for item in ranges), points, strict=True))
-    solve = partial(space_samples.sample_answers, scene, names=COLUMNS.values())
-    answers = sampling.solved_in_blocks(solve, inputs, BLOCK)
-    return {name: answers[of] for name, of in COLUMNS.items()}
-
-
 def outcome_rows(parameters: Mapping[str, Any], show: Callable[[float], None]) -> tuple[OutcomeRow, ...]:
     """Return the probabilities of every published outcome."""
     heights = {rule["name"]: rule_height(rule) for rule in parameters["rules"]}
     rows = []
     for number, case in enumerate(parameters["outcomes"], 1):
-        samples = predicted_samples(case, parameters["space_vehicles"][case["vehicle"]])
-        rows.append(outcome_row(case, samples["outcome"], heights))
+        samples = samples_of(parameters, case, case["wall"], SAMPLES)
+        rows.append(outcome_row(case, samples.answers["outcome"], heights))
         show(number / len(parameters["outcomes"]))
     return tuple(rows)
 

@@ -1,48 +1,43 @@
-"""Predict published forces, durations, speeds and outcomes blindly.
+"""Predict published forces, durations, speeds and outcomes.
 
-Predictions have bands of PERCENTILES. Vehicles, ranges and published values stand in parameters.toml and were fixed
-before the first prediction. The band of a prediction is the spread of rigid impacts over these ranges; nothing is
-adjusted to a published value. The plateau of the crush law is assumed and limits the force, so that each row states
-which fraction of its variance the plateaus explain alone.
+Predictions have bands of PERCENTILES, the spread of rigid impacts over a set of ranges; nothing is adjusted to a
+published value. A published force is compared with the same quantity, the force on the wall or the inertial estimate of
+a sensor. The plateau of the crush law is assumed and limits the force, so that each row states which fraction of its
+variance the plateaus explain alone.
 """
 
 import math
 import time
-import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
-from importlib import resources
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from postprocess.signals.filters import force_curves
-from postprocess.signals.strike_duration import second_strike
 from tailslap import progress
-from tailslap.campaign import input_ranges, sampling, space_samples
-from tailslap.case.impact.case import ImpactCase
+from tailslap.campaign import sampling
+from tailslap.campaign.band_samples import variance_fractions
+from tailslap.case.force_band import Calibration
 from tailslap.scene.units import to_si
-from tailslap.scene.vary import Source, vary
-from tailslap.validation import outcomes
+from tailslap.validation import conformal, outcomes
 from tailslap.validation.outcomes import OutcomeRow
+from tailslap.validation.samples import Floats, Samples, parameters, samples_of
 
-Floats = NDArray[np.float64]
+SAMPLES, SAMPLES_IN_SPACE = 1024, 512
+"""Motions of each set of ranges, in the plane and in space."""
 
-SAMPLES, BLOCK = 1024, 128
-"""Impacts of each set of ranges, at least, and at a time on one core."""
+ON_THE_WALL, INERTIAL = "force on the wall", "inertial"
+KINDS = {"mean_50ms": ON_THE_WALL, "cfc60": ON_THE_WALL, "inertial_50ms": INERTIAL, "ratio": ON_THE_WALL}
+"""What a published force is, by quantity; the ratio is one of two forces."""
 
-INTERVAL, AFTER_SECOND, STRIKES = 5e-4, 0.1, 32
-"""Time between rows of the forces [s], time after the second strike [s], and strikes with room at first."""
-
-FORCES = ("mean_50ms", "cfc60")
+FORCES = ("mean_50ms", "cfc60", "inertial_50ms")
 QUANTITIES = {
     "mean_50ms": ("largest 50 ms mean", "kN", 1e-3),
+    "inertial_50ms": ("largest 50 ms mean", "kN", 1e-3),
     "cfc60": ("largest force, CFC 60", "kN", 1e-3),
-    "duration": ("duration of the second strike", "ms", 1e3),
+    "ratio": ("ratio of largest 50 ms means", "", 1.0),
+    "duration": ("duration of strike 2, 50 ms mean", "ms", 1e3),
     "exit_speed": ("speed after the last strike", "m/s", 1.0),
-    "space_mean_50ms": ("largest 50 ms mean, in space", "kN", 1e-3),
     "height": ("height of the resultant", "m", 1.0),
 }
 """Label, shown unit and factor of each quantity."""
@@ -54,19 +49,24 @@ BY_THE_PLATEAU = 0.5
 class Row(NamedTuple):
     """A published value beside its prediction [SI].
 
-    predicted: median of the samples; lower, upper: ends of PERCENTILES; ratio: predicted over published; plateau:
-    fraction of the variance that the plateaus explain alone, None where it is not determined.
+    kind: of `KINDS`, or ""; space: True of a prediction in space; predicted: median of the samples; lower, upper: ends
+    of PERCENTILES; ratio: predicted over published; plateau: fraction of the variance that the plateaus explain alone;
+    study: that published the value.
     """
 
     case: str
     quantity: str
+    kind: str
+    space: bool
     predicted: float
     lower: float
     upper: float
     published: float
     ratio: float
     inside: bool
-    plateau: float | None
+    plateau: float
+    vehicle: str
+    study: str
     source: str
 
 
@@ -74,15 +74,20 @@ class Row(NamedTuple):
 class Validation:
     """Predictions beside published values.
 
-    inputs: of each vehicle, with their sources; skipped: published tests that are not computed, and why.
+    name: of the set of ranges; inputs: of each vehicle, with their sources; skipped: published tests that are not
+    computed, and why; former: predictions of the rows by the first set, if this is another one; calibrations: of
+    each class of vehicles.
     """
 
+    name: str
     rows: tuple[Row, ...]
     inputs: tuple[dict[str, Any], ...]
     impacts: int
     seconds: float
     outcomes: tuple[OutcomeRow, ...] = ()
     skipped: tuple[dict[str, str], ...] = ()
+    former: tuple[Row, ...] = ()
+    calibrations: tuple[Calibration, ...] = ()
 
     @property
     def force_ratios(self) -> Floats:
@@ -102,97 +107,103 @@ class Validation:
     @property
     def independent(self) -> list[Row]:
         """Return the rows that the plateaus do not decide."""
-        return [row for row in self.rows if row.plateau is not None and row.plateau < BY_THE_PLATEAU]
+        return [row for row in self.rows if row.plateau < BY_THE_PLATEAU]
+
+    @property
+    def worse(self) -> list[Row]:
+        """Return the rows that the first set has in its band, or nearer, and this one has not.
+
+        A row outside both bands is worse where its ratio is further from 1.
+        """
+        pairs = zip(self.rows, self.former, strict=False)
+        return [
+            row for row, before in pairs if not row.inside and (before.inside or _miss(before) < _miss(row))
+        ]
 
 
-def validate() -> Validation:
-    """Predict every published value of parameters.toml."""
-    began, published = time.perf_counter(), parameters()
-    rows, predicted = list[Row](), dict[str, tuple[tuple[input_ranges.Range, ...], Mapping[str, Floats]]]()
-    impacts = 0
+def _miss(row: Row) -> float:
+    """Return the distance of a ratio from 1 in logarithms."""
+    return abs(math.log(row.ratio))
+
+
+def validate(name: str) -> Validation:
+    """Predict every published value by a set of ranges."""
+    began, tables = time.perf_counter(), parameters(name)
     with progress.progress_bar("validation: impacts") as show:
-        for number, case in enumerate(published["cases"], 1):
-            key = f"{case['vehicle']} {case.get('ranges', '')}"
-            if key not in predicted:
-                vehicle = published["vehicles"][case["vehicle"]]
-                predicted[key] = _predict(vehicle["scene"], vehicle["ranges"] | case.get("ranges", {}))
-                impacts += next(iter(predicted[key][1].values())).size
-            rows += [compared(case, value, *predicted[key]) for value in case["published"]]
-            show(number / len(published["cases"]))
+        rows, impacts = predicted_rows(tables, show)
+        former = () if name == "first" else predicted_rows(parameters("first"), show)[0]
     with progress.progress_bar("validation: motions in space") as show:
-        for case in published["space_cases"]:
-            table = outcomes.predicted_samples(case, published["space_vehicles"][case["vehicle"]])
-            rows += [compared(case, value, (), table) for value in case["published"]]
-            impacts += table["outcome"].size
-        of_tests = outcomes.outcome_rows(published, show)
+        of_tests = outcomes.outcome_rows(tables, show)
     impacts += len(of_tests) * outcomes.SAMPLES
     return Validation(
-        tuple(rows), tuple(_inputs(published)), impacts, time.perf_counter() - began, of_tests,
-        tuple(published["not_computed"]),
+        name, rows, tuple(_inputs(tables)), impacts, time.perf_counter() - began, of_tests,
+        tuple(tables["not_computed"]), former, calibrations_of(rows, tables),
     )  # fmt: skip
 
 
-def parameters() -> dict[str, Any]:
-    """Return vehicles, ranges and published values."""
-    return tomllib.loads(resources.files(__package__).joinpath("parameters.toml").read_text("utf-8"))
+def calibrations_of(rows: Sequence[Row], tables: Mapping[str, Any]) -> tuple[Calibration, ...]:
+    """Return the calibration of each class by the rows of its forces."""
+    calibrations = []
+    for one in tables["classes"]:
+        of_class = [row for row in rows if row.vehicle in one["vehicles"] and row.quantity in FORCES]
+        bands = [(row.lower, row.predicted, row.upper) for row in of_class]
+        published, studies = [row.published for row in of_class], [row.study for row in of_class]
+        calibrations.append(conformal.calibration_of(one["name"], published, bands, studies))
+    return tuple(calibrations)
 
 
-def _inputs(parameters: Mapping[str, Any]) -> list[dict[str, Any]]:
+def predicted_rows(
+    tables: Mapping[str, Any], show: Callable[[float], None], of: Collection[str] = tuple(QUANTITIES)
+) -> tuple[tuple[Row, ...], int]:
+    """Return a row for every published value, and the number of impacts.
+
+    of: quantities of the values.
+    """
+    rows, known = list[Row](), dict[str, Samples]()
+
+    def samples(case: Mapping[str, Any], wall: Mapping[str, Any] | None) -> Samples:
+        key = f"{case['vehicle']} {wall} {case.get('ranges', '')}"
+        if key not in known:
+            known[key] = samples_of(tables, case, wall, SAMPLES_IN_SPACE if wall else SAMPLES)
+        return known[key]
+
+    for number, case in enumerate(tables["cases"], 1):
+        for value in (value for value in case["published"] if value["quantity"] in of):
+            limits, wall = (
+                case.get("ranges", {}) | value.get("ranges", {}),
+                value.get("wall", case.get("wall")),
+            )
+            inputs, answers = samples({"vehicle": case["vehicle"], "ranges": limits}, wall)
+            if over := value.get("over"):
+                below = samples({"vehicle": over["vehicle"], "ranges": {}}, over["wall"]).answers
+                answers = {"ratio": answers["mean_50ms"] / below["mean_50ms"]}
+            rows.append(compared(case, value, Samples(inputs, answers), wall is not None))
+        show(number / len(tables["cases"]))
+    return tuple(rows), sum(next(iter(known[key].inputs.values())).size for key in known)
+
+
+def _inputs(tables: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return the ranges of every vehicle as rows."""
     return [
         {"vehicle": f"{name}{ending}", "key": key, "lower": lower, "upper": upper, "source": source}
         for table, ending in (("vehicles", ""), ("space_vehicles", " in space"))
-        for name, vehicle in parameters[table].items()
+        for name, vehicle in tables[table].items()
         for key, (lower, upper, source) in vehicle["ranges"].items()
     ]
 
 
-def _predict(
-    scene: Mapping[str, Any], limits: Mapping[str, Any]
-) -> tuple[tuple[input_ranges.Range, ...], Mapping[str, Floats]]:
-    """Return the ranges and, by quantity, a table as of `sampling.sampled`."""
-    case = ImpactCase(*vary(Source(tables=dict(scene)), {}))
-    ranges = space_samples.stated_ranges(case, limits)
-    solve = partial(sampling.solved_in_blocks, partial(quantities, case), block=BLOCK)
-    _, tables = sampling.sampled(ranges, SAMPLES, solve)
-    return ranges, tables
-
-
-def quantities(case: ImpactCase, inputs: Mapping[str, Floats]) -> dict[str, Floats]:
-    """Return the quantities of impacts, shape (n,) each.
-
-    They are NaN without a second strike.
-    """
-    values = space_samples.expanded(case.scene, inputs)
-    impacts = case.impacts(values, after_second=AFTER_SECOND, interval=INTERVAL, strikes=STRIKES)
-    columns: dict[str, list[float]] = {name: [] for name in (*FORCES, "duration")}
-    for force in impacts.mean_force.T:
-        curves = force_curves(force, INTERVAL, FORCES)
-        for name in FORCES:
-            columns[name].append(float(curves[name].max()))
-        try:
-            columns["duration"].append(second_strike(curves["mean_50ms"], INTERVAL).duration)
-        except ValueError:
-            columns["duration"].append(math.nan)
-    return {name: np.array(values) for name, values in columns.items()} | {"exit_speed": impacts.end_speed}
-
-
-def compared(
-    case: Mapping[str, Any],
-    published: Mapping[str, str],
-    ranges: tuple[input_ranges.Range, ...],
-    tables: Mapping[str, Floats],
-) -> Row:
-    """Return the prediction of one published value beside it.
-
-    Without ranges, tables are samples of shape (n,), and the fraction of the plateaus is not determined.
-    """
-    quantity, (number, unit) = published["quantity"], published["value"].split(" ", 1)
-    value = float(number) * to_si(unit)[0]
-    lower, median, upper = sampling.band_of(tables[quantity]).percentiles
-    sources = sampling.index_rows(ranges, tables[quantity])[0] if ranges else []
-    plateaus = [row["first_order"] for row in sources if row["key"].endswith("plateau_force")]
+def compared(case: Mapping[str, Any], published: Mapping[str, str], samples: Samples, in_space: bool) -> Row:
+    """Return the prediction of one published value beside it."""
+    quantity, (number, _, unit) = published["quantity"], published["value"].partition(" ")
+    value = float(number) * (to_si(unit)[0] if unit else 1.0)
+    answers = samples.answers[quantity]
+    lower, median, upper = sampling.band_of(answers).percentiles
+    solved = np.isfinite(answers)
+    fractions = variance_fractions(
+        {key: values[solved] for key, values in samples.inputs.items()}, answers[solved]
+    )
+    plateaus = math.fsum(fraction for key, fraction in fractions.items() if "plateau" in key)
     return Row(
-        case["name"], quantity, median, lower, upper, value, median / value, lower <= value <= upper,
-        min(1.0, math.fsum(plateaus)) if sources else None, case["source"],
+        case["name"], quantity, KINDS.get(quantity, ""), in_space, median, lower, upper, value, median / value,
+        lower <= value <= upper, min(1.0, plateaus), case["vehicle"], case["study"], case["source"],
     )  # fmt: skip

@@ -17,7 +17,6 @@ from postprocess.units import force as force_text
 from postprocess.units import measure
 from solver.parapet import Strengths, overhang_tension, punching
 from tailslap.arguments import checked_arguments
-from tailslap.campaign import band_samples
 from tailslap.case.case import Case
 from tailslap.case.force_band import ForceBand, fraction_in_words
 from tailslap.case.of_arguments import Changes, Scene, case_of_scene
@@ -26,6 +25,7 @@ from tailslap.errors import InputError, Missing
 from tailslap.result.result import Result, filled_by, of_report
 from tailslap.scene.parapet_keys import load_length_of, strengths_of
 from tailslap.scene.write import scene_text
+from tailslap.validation.calibration import calibrated_band
 from tailslap.wall_strength.pictures import with_pictures
 from tailslap.wall_strength.strength import TOLERANCE, Computed, Load, bounds_of
 
@@ -106,7 +106,7 @@ def parapet(scene: Scene, changes: Changes | None = None, *, band: bool = True) 
         raise InputError("parapet", Missing, "this table is required for `tailslap parapet`")
     rows = strengths_of_loads(case)
     refusal = ForceBand(refusal="not requested")
-    distribution = band_samples.force_band(case) if band else refusal
+    distribution = calibrated_band(case) if band else refusal
     report = _report(case, rows, distribution, began)
 
     def drawn(folder: Path, pictures: bool, units: str) -> Report:

@@ -86,7 +86,7 @@ def test_walls_of_a_known_law_by_hand(exact):
         assert low < wall < high
     assert (exact.intervals[0] <= law).all()
     assert (law <= exact.intervals[1]).all()
-    middle = 1e6 * exact.walls + 0.35e5
+    middle = 1e6 * exact.walls + 0.225e5
     assert exact.band("mean_50ms")[1] == pytest.approx(middle, rel=1e-3)
     tips = exact.map_walls[:, None] < exact.centres - 0.6
     assert ((exact.rolls == 0.5 * np.pi) == tips).all()

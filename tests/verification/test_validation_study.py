@@ -1,84 +1,97 @@
 """Verify blind predictions by hand, and samples by single impacts."""
 
-import dataclasses
-import itertools
-
 import numpy as np
 import pytest
 
 import tailslap
 from solver import space
 from solver.space.vehicle import fleet_of
-from tailslap.campaign import input_ranges, sampling, space_samples
+from tailslap.campaign import sampling, space_samples
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.space import space_input
 from tailslap.scene.vary import Source, vary
 from tailslap.validation import outcomes, predictions
 from tailslap.validation import validation_report as validation_report_module
+from tailslap.validation.samples import SETS, Samples, in_plane, parameters, samples_of
 from tailslap.validation.validation_report import validation_report
 
-PARAMETERS = predictions.parameters()
+TABLES = {name: parameters(name) for name in SETS}
+PARAMETERS = TABLES["first"]
 VEHICLES = PARAMETERS["vehicles"]
 
 
-def case_of_vehicle(name):
-    return ImpactCase(*vary(Source(tables=dict(VEHICLES[name]["scene"])), {}))
+def case_of_vehicle(vehicle):
+    return ImpactCase(*vary(Source(tables=dict(vehicle["scene"])), {}))
 
 
-@pytest.mark.parametrize("name", sorted(VEHICLES))
-def test_ranges_are_of_keys_of_the_vehicle_and_contain_its_values(name):
-    case, limits = case_of_vehicle(name), VEHICLES[name]["ranges"]
-    ranges, nominal = space_samples.stated_ranges(case, limits), case.inputs
-    assert {item.key for item in ranges} == set(limits)
-    assert all(source.strip() for _, _, source in limits.values())
+@pytest.mark.parametrize(
+    ("of", "table", "name"),
+    [
+        (of, table, name)
+        for of in SETS
+        for table in ("vehicles", "space_vehicles")
+        for name in TABLES[of][table]
+    ],
+)
+def test_ranges_are_of_keys_of_the_vehicle_and_contain_its_values(of, table, name):
+    vehicle = TABLES[of][table][name]
+    ranges = space_samples.stated_ranges(case_of_vehicle(vehicle), vehicle["ranges"])
+    assert {item.key for item in ranges} == set(vehicle["ranges"])
+    assert all(source.strip() for _, _, source in vehicle["ranges"].values())
     for item in ranges:
-        value = 1.0 if "*" in item.key else nominal[item.key.partition("@")[0]]
-        assert item.lower <= value <= item.upper, item.key
+        value = 1.0 if "*" in item.key else item.scene_value
+        assert value is None or item.lower <= value <= item.upper, item.key
 
 
 def test_each_case_states_a_source_and_known_quantities():
     for case in PARAMETERS["cases"]:
         assert case["source"], case["name"]
-        assert case["vehicle"] in VEHICLES
+        assert case["study"], case["name"]
         assert {published["quantity"] for published in case["published"]} <= set(predictions.QUANTITIES)
-        assert set(case.get("ranges", ())) <= set(VEHICLES[case["vehicle"]]["ranges"])
+        for tables in TABLES.values():
+            for published in case["published"]:
+                table = "space_vehicles" if published.get("wall", case.get("wall")) else "vehicles"
+                assert set(case.get("ranges", ())) <= set(tables[table][case["vehicle"]]["ranges"])
     names = [case["name"] for case in PARAMETERS["cases"]]
     assert len(names) == len(set(names))
+    assert {name for one in PARAMETERS["classes"] for name in one["vehicles"]} <= set(VEHICLES) | {"8000S"}
 
 
-def test_a_row_by_hand():
+def test_forces_of_crash_tests_are_inertial_and_heights_are_in_space():
+    """A height of design, equal to that of the wall, is no row."""
+    kinds = {
+        (case["name"].partition(":")[0], published["quantity"]): published.get("wall", case.get("wall"))
+        for case in PARAMETERS["cases"]
+        for published in case["published"]
+    }
+    rows = ("Table 4, row a", "Table 4, row b", "TL-4 by acceleration, 22 050 lb and 4.5 g")
+    assert [name for name, quantity in kinds if quantity == "inertial_50ms"] == list(rows)
+    assert all(wall for (_, quantity), wall in kinds.items() if quantity in ("inertial_50ms", "height"))
+    assert [name for name, quantity in kinds if quantity == "height"] == ["MASH TL-4, vertical wall of 36 in"]
+
+
+@pytest.mark.parametrize(("published", "inside"), [("150 kN", True), ("95 kN", False)])
+def test_a_row_by_hand(published, inside):
     """A uniform force of 100 to 300 kN has known percentiles."""
-    case = {"name": "by hand", "source": "here", "vehicle": "10000S"}
-    ranges = tuple(
-        input_ranges.Range(key, 0.0, 1.0, "", None, "")
-        for key in ("contact.plateau_force", "contact.friction")
-    )
-    random = np.random.default_rng(1)
-    a, b = random.random((2, 4096)), random.random((2, 4096))
-    force = lambda inputs: 1e5 + 2e5 * inputs[0]  # noqa: E731
-    mixed = [np.array([b[0], a[1]]), np.array([a[0], b[1]])]
-    table = np.array([force(a), force(b), *map(force, mixed)])
-    row = predictions.compared(
-        case, {"quantity": "mean_50ms", "value": "150 kN"}, ranges, {"mean_50ms": table}
-    )
+    case = {"name": "by hand", "source": "here", "vehicle": "10000S", "study": "ours"}
+    random = np.random.default_rng(1).random((2, 4096))
+    inputs = dict(zip(("contact.plateau_force@rear", "contact.friction"), random, strict=True))
+    samples = Samples(inputs, {"mean_50ms": 1e5 + 2e5 * random[0]})
+    row = predictions.compared(case, {"quantity": "mean_50ms", "value": published}, samples, False)
     assert (row.lower, row.predicted, row.upper) == pytest.approx((1.1e5, 2e5, 2.9e5), rel=0.02)
-    assert row.published == 1.5e5
-    assert row.ratio == row.predicted / 1.5e5
-    assert row.inside
+    assert row.ratio == row.predicted / row.published
+    assert (row.kind, row.inside) == (predictions.ON_THE_WALL, inside)
     assert row.plateau == pytest.approx(1.0, abs=0.05)
-    outside = predictions.compared(
-        case, {"quantity": "mean_50ms", "value": "95 kN"}, ranges, {"mean_50ms": table}
-    )
-    assert not outside.inside
 
 
 def test_samples_are_the_single_impact():
     """The truck's values as one sample equal the impact of `rigid`."""
-    case = case_of_vehicle("10000S")
-    sample = predictions.quantities(case, {"impact.speed": np.array([case.inputs["impact.speed"]])})
+    case = case_of_vehicle(VEHICLES["10000S"])
+    sample = in_plane(case, {"impact.speed": np.array([case.inputs["impact.speed"]])})
     single = case.answer
     for name in ("mean_50ms", "cfc60"):
         assert sample[name][0] == pytest.approx(single.peaks[name], rel=5e-3), name
+    assert sample["inertial_50ms"][0] == pytest.approx(case.inertial["mean_50ms"], rel=5e-3)
     assert sample["exit_speed"][0] == pytest.approx(
         np.hypot(single.end["v_gx"], single.end["v_gy"]), rel=1e-3
     )
@@ -86,33 +99,46 @@ def test_samples_are_the_single_impact():
 
 def test_statistics_and_report_by_hand():
     """Ratios 0.5 and 2 have the mean 1, spread exp(sqrt(2) ln 2)."""
-    row = predictions.Row("a", "mean_50ms", 1e5, 0.9e5, 1.1e5, 2e5, 0.5, False, 0.1, "here")
+    row = predictions.Row(
+        "a",
+        "mean_50ms",
+        predictions.ON_THE_WALL,
+        False,
+        1e5,
+        0.9e5,
+        1.1e5,
+        2e5,
+        0.5,
+        False,
+        0.1,
+        "10000S",
+        "A",
+        "here",
+    )
     rows = (
         row,
         row._replace(case="b", published=0.5e5, ratio=2.0, plateau=0.9),
-        row._replace(case="c", quantity="exit_speed", published=1e5, ratio=1.0, inside=True, plateau=None),
+        row._replace(case="c", quantity="exit_speed", published=1e5, ratio=1.0, inside=True, plateau=0.8),
     )
-    validation = predictions.Validation(rows, (), 10, 1.0)
+    former = (row._replace(ratio=0.4), row._replace(ratio=1.5), rows[2])
+    validation = predictions.Validation("second", rows, (), 10, 1.0, former=former)
     assert validation.geometric_mean == pytest.approx(1.0)
     assert validation.spread == pytest.approx(2.0 ** np.sqrt(2.0))
     assert [row.case for row in validation.independent] == ["a"]
+    assert [row.case for row in validation.worse] == ["b"]
     report = validation_report(validation)
     assert report.summary["inside"] == 1
     assert [row["case"] for row in report.summary["rows"]] == ["a", "b", "c"]
     assert "1 of 3" in report.page.headline.answer
-    assert dataclasses.is_dataclass(validation)
+    assert "Worse than with the first set: b (largest 50 ms mean)." in str(report.terminal[1])
 
 
-def test_space_vehicles_contain_their_own_values_and_are_possible():
+@pytest.mark.parametrize("of", SETS)
+def test_space_vehicles_are_possible(of):
     """Samples have loaded wheels, and strips within the vehicle."""
-    for name, vehicle in PARAMETERS["space_vehicles"].items():
-        vehicle_case = ImpactCase(*vary(Source(tables=dict(vehicle["scene"])), {}))
-        ranges, nominal = (
-            space_samples.stated_ranges(vehicle_case, vehicle["ranges"]),
-            space_samples.nominal_values(vehicle_case),
-        )
-        for item in ranges:
-            assert item.lower <= nominal[item.key] <= item.upper, (name, item.key)
+    for vehicle in TABLES[of]["space_vehicles"].values():
+        vehicle_case = case_of_vehicle(vehicle)
+        ranges = space_samples.stated_ranges(vehicle_case, vehicle["ranges"])
         points, _ = sampling.sobol_points(ranges, outcomes.SAMPLES)
         inputs = dict(zip((item.key for item in ranges), points, strict=True))
         values = space_samples.expanded(vehicle_case.scene, inputs)
@@ -121,7 +147,7 @@ def test_space_vehicles_contain_their_own_values_and_are_possible():
 
 
 def test_each_published_outcome_states_a_source():
-    for case in (*PARAMETERS["outcomes"], *PARAMETERS["space_cases"]):
+    for case in PARAMETERS["outcomes"]:
         assert case["source"], case["name"]
         assert case["vehicle"] in PARAMETERS["space_vehicles"]
     assert {case["published"] for case in PARAMETERS["outcomes"]} <= set(outcomes.STATED)
@@ -165,7 +191,8 @@ def test_brier_scores_by_hand():
     assert (ours.score, ours.right) == (pytest.approx((0.16 + 0.81 + 0.04) / 3.0), 2)
     assert (rule.score, rule.right) == (pytest.approx(1.0 / 3.0), 2)
     assert (always.score, always.right) == (pytest.approx(2.0 / 3.0), 1)
-    validation = predictions.Validation((), (), 10, 1.0, tuple(rows), ({"name": "b", "why": "unknown"},))
+    skipped = ({"name": "b", "why": "unknown"},)
+    validation = predictions.Validation("first", (), (), 10, 1.0, tuple(rows), skipped)
     sections = validation_report_module._outcome_sections(validation, outcomes.scores(rows))
     assert "published outcome" in str(sections[0].figures[0])
     assert [len(table.rows) for table in sections[0].tables] == [3, 3, 1]
@@ -175,9 +202,7 @@ def test_outcomes_of_samples_are_motions_of_their_own():
     """The first samples of a case are scenes of their own."""
     case = PARAMETERS["outcomes"][0]
     vehicle = PARAMETERS["space_vehicles"][case["vehicle"]]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(outcomes, "SAMPLES", 32)
-        samples = outcomes.predicted_samples(case, vehicle)
+    samples = samples_of(PARAMETERS, case, case["wall"], 32).answers
     vehicle_case = ImpactCase(*vary(Source(tables=vehicle["scene"] | {"wall": case["wall"]}), {}))
     ranges = space_samples.stated_ranges(vehicle_case, vehicle["ranges"])
     points, _ = sampling.sobol_points(ranges, 32)
@@ -193,7 +218,7 @@ def test_outcomes_of_samples_are_motions_of_their_own():
         scene, _ = vary(Source(tables=vehicle["scene"] | {"wall": case["wall"]}), changes)
         single = space.solve_spaces(*space_input(scene).arguments)
         assert samples["outcome"][number] == single.outcome[0]
-        assert samples["space_mean_50ms"][number] == pytest.approx(float(single.mean_50ms[0]), rel=1e-9)
+        assert samples["mean_50ms"][number] == pytest.approx(float(single.mean_50ms[0]), rel=1e-9)
 
 
 @pytest.mark.long
@@ -202,10 +227,8 @@ def test_rows_that_fail_stay():
     result = tailslap.validate()
     listed = [
         (case["name"], published["quantity"])
-        for case, published in itertools.chain.from_iterable(
-            ((case, published) for published in case["published"])
-            for case in (*PARAMETERS["cases"], *PARAMETERS["space_cases"])
-        )
+        for case in PARAMETERS["cases"]
+        for published in case["published"]
     ]
     assert [(row["case"], row["quantity"]) for row in result.summary["rows"]] == listed
     for row in result.summary["rows"]:

@@ -103,7 +103,8 @@ def wall_contact(scene: Scene, values: Mapping[str, Any] | None = None) -> impac
             strips.append(impact.Strip((place, place), law, unit=part.unit - 1))
         else:
             strip = scene.strip[part.number]
-            strips.append(impact.Strip(strip.at, law, strip.inset, part.unit - 1))
+            inset = values.get(f"strip.{part.number}.inset", strip.inset)
+            strips.append(impact.Strip(strip.at, law, inset, part.unit - 1))
     return impact.WallContact(None, friction, tuple(strips))
 
 
