@@ -8,7 +8,7 @@ Medians of the 10000S of `tailslap validate`, first set of ranges; standard erro
 import command_line
 import numpy as np
 
-from tailslap.validation import outcomes, predictions
+from tailslap.validation.samples import parameters, samples_of
 
 INDEPENDENT = {27: (112.0, 0.55), 32: (180.0, 0.61), 36: (207.0, 0.65), 42: (325.0, 0.75), 54: (406.0, 0.88)}
 """Moment [kN m] and height [m] of rigid trucks of another program by the height of the wall [in], 48 samples."""
@@ -20,13 +20,11 @@ COUNT = 48
 def main() -> None:
     """Print the table."""
     options = command_line.options(__doc__, samples=1024)
-    truck = predictions.parameters()["space_vehicles"]["10000S"]
-    outcomes.COLUMNS |= {name: name for name in ("moment", "moment_height")}
-    outcomes.SAMPLES, draw = options.samples, np.random.default_rng(1)
+    tables, draw = parameters("first"), np.random.default_rng(1)
     print("wall [in]  moment [kN m]  independent  difference  its standard error  height [m]  independent")
     for inches, (moment, height) in INDEPENDENT.items():
-        case = {"wall": {"height": f"{inches} in", "profile": "vertical"}}
-        samples = outcomes.predicted_samples(case, truck)
+        wall, names = {"height": f"{inches} in", "profile": "vertical"}, ("moment", "moment_height")
+        samples = samples_of(tables, {"vehicle": "10000S"}, wall, options.samples, names).answers
         moments, median = samples["moment"], float(np.median(samples["moment"]))
         medians = [np.median(draw.choice(moments, COUNT, replace=False)) for _ in range(400)]
         print(

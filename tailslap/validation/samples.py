@@ -2,7 +2,7 @@
 
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from importlib import resources
 from typing import Any, NamedTuple
@@ -42,7 +42,7 @@ class Samples(NamedTuple):
     answers: Mapping[str, Floats]
 
 
-def parameters(name: str) -> dict[str, Any]:
+def parameters(name: str = SETS[-1]) -> dict[str, Any]:
     """Return vehicles and ranges of a set, and the published values."""
     here = resources.files(__package__)
     files = (here.joinpath(f"{file}.toml").read_text("utf-8") for file in (name, "published"))
@@ -50,11 +50,16 @@ def parameters(name: str) -> dict[str, Any]:
 
 
 def samples_of(
-    tables: Mapping[str, Any], case: Mapping[str, Any], wall: Mapping[str, Any] | None, count: int
+    tables: Mapping[str, Any],
+    case: Mapping[str, Any],
+    wall: Mapping[str, Any] | None,
+    count: int,
+    names: Sequence[str] = IN_SPACE,
 ) -> Samples:
     """Return samples of the vehicle of a case, with a wall in space.
 
-    tables: as of `parameters`; case: with `vehicle` and possibly `ranges`, in place of those of the vehicle.
+    tables: as of `parameters`; case: with `vehicle` and possibly `ranges`, in place of those of the vehicle; names: of
+    answers in space.
     """
     vehicle = tables["space_vehicles" if wall else "vehicles"][case["vehicle"]]
     scene = vehicle["scene"] | ({"wall": wall} if wall else {})
@@ -62,13 +67,9 @@ def samples_of(
     ranges = space_samples.stated_ranges(impact, vehicle["ranges"] | case.get("ranges", {}))
     points, _ = sampling.sobol_points(ranges, count)
     inputs = dict(zip((item.key for item in ranges), points, strict=True))
-    solve = partial(in_space if wall else in_plane, impact)
+    in_space = partial(space_samples.sample_answers, impact.scene, names=names)
+    solve = in_space if wall else partial(in_plane, impact)
     return Samples(inputs, sampling.solved_in_blocks(solve, inputs, BLOCK_IN_SPACE if wall else BLOCK))
-
-
-def in_space(case: ImpactCase, inputs: Mapping[str, Floats]) -> dict[str, Floats]:
-    """Return the answers of vehicles in space."""
-    return space_samples.sample_answers(case.scene, inputs, IN_SPACE)
 
 
 def in_plane(case: ImpactCase, inputs: Mapping[str, Floats]) -> dict[str, Floats]:

@@ -13,7 +13,7 @@ from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.design import intrusions
 from tailslap.case.impact.space import space_input
 from tailslap.scene.vary import Source, vary
-from tailslap.validation import predictions
+from tailslap.validation.samples import parameters
 
 INCH, SAMPLES = 0.0254, 48
 
@@ -21,7 +21,7 @@ INCH, SAMPLES = 0.0254, 48
 @pytest.mark.parametrize(("wall", "published"), [("42 in", 24.0), ("54 in", 12.0)])
 def test_intrusion_of_a_truck_of_report_350(wall, published):
     """The published value lies within 5 to 95 % of the samples."""
-    truck = predictions.parameters()["space_vehicles"]["8000S"]
+    truck = parameters("first")["space_vehicles"]["8000S"]
     scene, source = vary(Source(tables=truck["scene"] | {"wall": {"height": wall}}), {})
     ranges = space_samples.stated_ranges(ImpactCase(scene, source), truck["ranges"])
     points, _ = sampling.sobol_points(ranges, SAMPLES)
