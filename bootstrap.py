@@ -146,6 +146,14 @@ def check_libraries(no_system: bool) -> None:
         sys.exit(f"bootstrap: {reason}\nbootstrap: {line_to_paste(APT_PACKAGES, DNF_PACKAGES)}")
 
 
+def calibrate() -> None:
+    """Compute the calibration of the band, which is kept on this machine."""
+    say("calibrating the band of the force (half a minute, once)")
+    succeeded, output = call([PYTHON, "-c", "from tailslap.validation.calibration import classes; classes()"])
+    if not succeeded:
+        sys.exit(f"bootstrap: the band of the force was not calibrated:\n{output}")
+
+
 def digest(version: str, target: str) -> str:
     """Return a hash of all that determines an installation of `target`."""
     # The path too: when the checkout is moved, the scripts in `.venv` point to where it was.
@@ -179,6 +187,7 @@ def main() -> None:
     if not venv_version():
         make_venv(options.no_system)
     update_venv(".[dev]" if options.dev else ".", options.no_system)
+    calibrate()
     say("ready: .venv/bin/tailslap")
 
 

@@ -19,7 +19,7 @@ Functions, each the same as the command of its name:
     parapet     strength of the parapet between bounds, beside the force
     load        loading of a result folder
     paper       tables and figures of the paper compared with computed values
-    validate    blind predictions beside published forces, durations and speeds
+    validate    predictions beside published forces, durations and speeds
     scenes      scenes of the program
     new         new scene file with every key
 

@@ -53,9 +53,11 @@ def class_of(case: Case, known: Sequence[VehicleClass]) -> VehicleClass | None:
     A scene belongs to a class of its test level whose vehicles have its mass and speed within their ranges.
     """
     impact, mass = case.scene.impact, sum(unit.mass for unit in case.scene.units)
-    for one in known if impact else ():
+    if impact is None:
+        return None
+    for one in known:
         if (
-            impact.test_level in one.levels
+            str(impact.test_level) in one.levels
             and one.speeds[0] <= impact.speed <= one.speeds[1]
             and one.masses[0] <= mass <= one.masses[1]
         ):
@@ -92,8 +94,8 @@ def described(tables: Mapping[str, Any], calibrations: Sequence[Calibration]) ->
             tables["vehicles"].get(name) or tables["space_vehicles"][name] for name in one["vehicles"]
         ]
         levels = sorted({vehicle["scene"]["impact"]["test_level"] for vehicle in vehicles})
-        spans = (_span(vehicles, key) for key in ("impact.speed", "vehicle.mass"))
-        known.append(VehicleClass(levels, *spans, dict(vars(calibration))))
+        speeds, masses = (_span(vehicles, key) for key in ("impact.speed", "vehicle.mass"))
+        known.append(VehicleClass(levels, speeds, masses, dict(vars(calibration))))
     return tuple(known)
 
 

@@ -1,4 +1,4 @@
-"""Verify blind predictions by hand, and samples by single impacts."""
+"""Verify predictions by hand, and samples by single impacts."""
 
 import numpy as np
 import pytest
