@@ -29,6 +29,7 @@ PAIRS, SPEEDS = 32, (0.8, 4.0 / 3.0)
 WORDS = {
     "plateau_force": "the plateau of the crush", "plateau": "the plateau of the crush",
     "stiffness": "the stiffness of the crush", "restitution": "the restitution",
+    "hardening": "the hardening of the crush",
     "duration": "the duration of the strike",
     "centre_of_mass": "the place of the centre of mass", "centre_height": "the height of the centre of mass",
     "angle": "the angle", "mass": "the mass", "yaw_inertia": "the yaw inertia", "friction": "friction",

@@ -1,4 +1,4 @@
-"""Calibrations of the force band of a scene, computed once on a machine."""
+"""Calibrate force bands of scenes, once on a machine."""
 
 import functools
 import hashlib

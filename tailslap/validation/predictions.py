@@ -111,9 +111,9 @@ class Validation:
 
     @property
     def worse(self) -> list[Row]:
-        """Return the rows that the first set has in its band, or nearer, and this one has not.
+        """Return the rows that the first set predicts better.
 
-        A row outside both bands is worse where its ratio is further from 1.
+        It has them in its band and this one has not; a row outside both is worse where its ratio is further from 1.
         """
         pairs = zip(self.rows, self.former, strict=False)
         return [

@@ -1,4 +1,4 @@
-"""Samples of a vehicle with ranges of inputs, in the plane and in space."""
+"""Sample vehicles with ranges of inputs, in plane and space."""
 
 import math
 import tomllib
@@ -56,10 +56,10 @@ def samples_of(
     count: int,
     names: Sequence[str] = IN_SPACE,
 ) -> Samples:
-    """Return samples of the vehicle of a case, with a wall in space.
+    """Return samples of the vehicle of a case.
 
-    tables: as of `parameters`; case: with `vehicle` and possibly `ranges`, in place of those of the vehicle; names: of
-    answers in space.
+    tables: as of `parameters`; case: with `vehicle` and possibly `ranges`, in place of those of the vehicle; wall: None
+    in the plane; names: of answers in space.
     """
     vehicle = tables["space_vehicles" if wall else "vehicles"][case["vehicle"]]
     scene = vehicle["scene"] | ({"wall": wall} if wall else {})

@@ -223,7 +223,7 @@ def _outcome_sections(validation: Validation, scored: Sequence[Score]) -> list[S
 
 
 def _worse(validation: Validation) -> tuple[str, ...]:
-    """Return the sentence on rows that got worse, if there is a first set."""
+    """Return the sentence on rows that got worse, if any."""
     if not validation.former:
         return ()
     names = "; ".join(f"{row.case} ({QUANTITIES[row.quantity][0]})" for row in validation.worse)

@@ -35,7 +35,7 @@ def test_scores_are_half_widths_of_either_side(published, expected):
 
 
 def test_whole_studies_are_left_out():
-    """Both values of A exceed what the others allow, and B has one of two."""
+    """Both values of A exceed what B and C allow."""
     scores, studies = [5.0, 4.0, 3.0, 0.5, *10 * [1.0]], ["A", "A", "B", "B", *10 * ["C"]]
     assert held_of_left_out(scores, studies) == [False, False, True, True, *10 * [True]]
     calibration = calibration_of(

@@ -58,7 +58,7 @@ def test_each_case_states_a_source_and_known_quantities():
 
 
 def test_forces_of_crash_tests_are_inertial_and_heights_are_in_space():
-    """A height of design, equal to that of the wall, is no row."""
+    """A height of design is no row."""
     kinds = {
         (case["name"].partition(":")[0], published["quantity"]): published.get("wall", case.get("wall"))
         for case in PARAMETERS["cases"]
