@@ -651,8 +651,15 @@ def test_the_hardening_varies_where_the_scene_has_one():
     peaks = truck.many({"contact.hardening@rear": np.array([0.0, 5e5])})["strike_2.raw"]
     assert peaks[0] == pytest.approx(350e3, rel=1e-6)
     assert peaks[1] > 360e3
-    without = planar_ranges.impact_ranges(impact_of(name="impact-mash-tl4-sut"))
-    assert not keys & {item.key for item in without}
+    omitted, without = (
+        {
+            item.key: item.scene_value
+            for item in planar_ranges.impact_ranges(impact_of(*changes, name="impact-mash-tl4-sut"))
+        }
+        for changes in ((), ("contact.hardening=0",))
+    )
+    assert {omitted[key] for key in keys} == {None}
+    assert not keys & without.keys()
 
 
 def test_raw_and_filtered_forces_are_of_the_same_total():
