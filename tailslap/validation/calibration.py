@@ -13,7 +13,7 @@ from machine_code.system import folder
 from tailslap import progress
 from tailslap.campaign import band_samples
 from tailslap.case.case import Case
-from tailslap.case.force_band import Calibration, ForceBand
+from tailslap.case.force_band import PERCENTILES, Calibration, ForceBand
 from tailslap.validation.outcomes import metres_or_newtons
 from tailslap.validation.predictions import FORCES, calibrations_of, predicted_rows
 from tailslap.validation.samples import SETS, parameters
@@ -73,6 +73,7 @@ def classes() -> tuple[VehicleClass, ...]:
     """
     here = resources.files(__package__)
     texts = [here.joinpath(f"{name}.toml").read_bytes() for name in (SETS[-1], "published")]
+    texts.append(str(PERCENTILES).encode())
     digest = hashlib.sha256(folder.own_sources(*SOURCES).encode() + b"".join(texts)).hexdigest()
     path = folder.cache_folder() / f"calibration-{digest[:16]}.json"
     with suppress(ValueError, TypeError):

@@ -10,9 +10,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from tailslap.case.force_band import Calibration
+from tailslap.case.force_band import PERCENTILES, Calibration
 
-COVERAGE = 0.9
+COVERAGE = 0.01 * (PERCENTILES[-1] - PERCENTILES[0])
 """Probability of a calibrated band for a further value."""
 
 

@@ -79,7 +79,7 @@ CALIBRATION = (
     *columns({"rows_held": "Left-out values held", "studies_held": "Studies held"}, form="d"),
 )
 CALIBRATED = (
-    "Factor: on the logarithms of the band of the inputs, by split conformal prediction for a probability of 90 %, "
+    f"Factor: on the logarithms of the band of the inputs, by split conformal prediction for {central_part()}, "
     "from nine values on. Left-out: each study in turn, by the factor of the others, or their largest score where they "
     "are fewer than nine; a study is held with all of its values. The 80 kip of TL-4 count twice, in the plane and in "
     "space.",
