@@ -182,7 +182,7 @@ class Laboratory:
             return status_and_message(line)[0]
 
         self._root.mkdir()
-        (self._root / "scene.toml").write_text(shipped_scenes()["paper-table-3"])
+        (self._root / "scene.toml").write_text(shipped_scenes()["paper-table-3"].read_text())
         if trial.command[0] != "run":
             assert make(RUN, "--out", "{root}/first") == make(OTHER_RUN, "--out", "{root}/second") == 0
             shutil.copy(self._root / "first" / "history.csv", self._root / "measured.csv")

@@ -73,10 +73,9 @@ def read_text(path: Path, most: int, undecodable: str = "strict") -> str:
     return text.replace("\r\n", "\n")
 
 
-def shipped_scenes() -> dict[str, str]:
-    """Return names and texts of shipped scenes."""
-    scenes = sorted(Path(__file__).with_name("shipped").glob("*.toml"))
-    return {path.stem: path.read_text(encoding="utf-8") for path in scenes}
+def shipped_scenes() -> dict[str, Path]:
+    """Return the files of shipped scenes by name."""
+    return {path.stem: path for path in sorted(Path(__file__).with_name("shipped").glob("*.toml"))}
 
 
 @checked_arguments
@@ -94,7 +93,8 @@ def scenes() -> dict[str, str]:
     >>> tailslap.scenes()["mash-tl1-car"]
     'MASH TL-1, test 1-10: the 1100C small car at 31 mph and 25 deg'
     """
-    return {name: text.splitlines()[0].lstrip("# ").rstrip() for name, text in shipped_scenes().items()}
+    texts = {name: path.read_text(encoding="utf-8") for name, path in shipped_scenes().items()}
+    return {name: text.splitlines()[0].lstrip("# ").rstrip() for name, text in texts.items()}
 
 
 def read_scene(name: str, changes: Iterable[str] = ()) -> tuple[schema.Scene, Source]:
@@ -175,7 +175,7 @@ def scene_text(name: str) -> str:
     if len(name) > MAX_NAME:
         raise errors.InputError("SCENE", name, f"the limit is {MAX_NAME} characters")
     if name in shipped and (path.is_dir() or not errors.is_there(path)):
-        return shipped[name]
+        return shipped[name].read_text(encoding="utf-8")
     if name in REPLACED and not errors.is_there(path):
         allowed = f"it took tractor and trailer as one body; allowed is {REPLACED[name]}, a train"
         raise errors.InputError("SCENE", name, allowed)

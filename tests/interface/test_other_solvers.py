@@ -254,7 +254,11 @@ def test_scenes_that_calculix_cannot_have_are_refused(changes, key, why, command
 
 
 def test_the_refusal_of_friction_ends_with_a_command_that_is_accepted(elsewhere, capsys):
-    text = shipped_scenes()["paper-table-3"].replace('reaction = "drag"', 'reaction = "drag"\nfriction = 0.3')
+    text = (
+        shipped_scenes()["paper-table-3"]
+        .read_text()
+        .replace('reaction = "drag"', 'reaction = "drag"\nfriction = 0.3')
+    )
     Path("own.toml").write_text(text)
     assert written("export", "own.toml", "--to", "calculix") == 2
     command = shlex.split(capsys.readouterr().err.rpartition(": ")[2])

@@ -44,6 +44,15 @@ def test_the_papers_scenes_are_there():
     assert set(shipped_scenes()) >= SHIPPED
 
 
+def test_one_file_is_read_for_a_shipped_scene(monkeypatch):
+    names, read_text = [], Path.read_text
+    monkeypatch.setattr(
+        Path, "read_text", lambda path, **how: names.append(path.name) or read_text(path, **how)
+    )
+    assert read_source("mash-tl4-sut").tables["vehicle"]
+    assert names == ["mash-tl4-sut.toml"]
+
+
 IN_SI = [
     ("impact.speed=56 mph", 56 * 1609.344 / 3600), ("impact.speed=90 km/h", 25.0),
     ("vehicle.length=2438 mm", 2.438), ("vehicle.length=10 ft", 3.048), ("vehicle.length=12", 12.0),
@@ -151,7 +160,7 @@ def test_all_missing_keys_are_named_at_once(tmp_path):
 
 
 def test_a_file_without_a_name_takes_its_own(tmp_path, refused):
-    path, text = tmp_path / "van.toml", shipped_scenes()["mash-tl4-sut"]
+    path, text = tmp_path / "van.toml", shipped_scenes()["mash-tl4-sut"].read_text()
     path.write_text(text.replace('name = "mash-tl4-sut"', ""))
     assert read_scene(str(path))[0].name == "van"
     assert refused(vary, source_of_text(path.read_text()), {}) == "name"
@@ -184,7 +193,7 @@ def test_scenes_that_are_not_there(name):
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
 def test_encodings_of_windows(tmp_path, encoding):
-    text = shipped_scenes()["mash-tl4-sut"]
+    text = shipped_scenes()["mash-tl4-sut"].read_text()
     (tmp_path / "scene.toml").write_bytes(text.replace("\n", "\r\n").encode(encoding))
     assert read_scene(str(tmp_path / "scene.toml")) == read_scene("mash-tl4-sut")
 

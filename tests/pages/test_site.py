@@ -310,7 +310,7 @@ def do(step, namespace):
         with contextlib.closing(sqlite3.connect(step.name)) as file:
             assert file.execute(step.text).fetchall()
     elif step.kind == "tables":
-        scene = tomllib.loads(read.shipped_scenes()["impact-mash-tl4-sut"])
+        scene = tomllib.loads(read.shipped_scenes()["impact-mash-tl4-sut"].read_text())
         demand_passed(lambda: tailslap.run(scene | tomllib.loads(step.text)))
     elif step.kind == "file":
         Path(step.name).write_text(step.text, encoding="utf-8")

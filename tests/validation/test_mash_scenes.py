@@ -62,7 +62,7 @@ def test_dimensions_in_feet(name, length, width):
 
 @pytest.mark.parametrize("name", NEW)
 def test_scenes_say_what_is_assumed(name):
-    text = shipped_scenes()[name]
+    text = shipped_scenes()[name].read_text()
     assert scenes()[name].startswith(f"MASH TL-{name[7]}, test {name[7]}-1")
     assert text.count("# Assumed: ") == 2
 
@@ -80,7 +80,7 @@ TRAINS = {  # kg, km/h, degrees as published
 def test_conditions_of_tractors(name):
     """Mass, speed and angle are published, others marked as assumed."""
     mass, kmh, degrees = TRAINS[name]
-    scene, text = read_scene(name)[0], shipped_scenes()[name]
+    scene, text = read_scene(name)[0], shipped_scenes()[name].read_text()
     assert sum(unit.mass for unit in scene.units) == pytest.approx(mass, rel=2e-5)
     assert scene.impact is not None
     assert (3.6 * scene.impact.speed, math.degrees(scene.impact.angle)) == pytest.approx(
@@ -108,7 +108,10 @@ EN_1317 = {  # km/h, degrees, kg, level
 def test_conditions_of_en_1317(name):
     """The first line marks what no source confirms."""
     kmh, degrees, mass, level = EN_1317[name]
-    case, text = ImpactCase(*read_scene(f"impact-en-{name}")), shipped_scenes()[f"impact-en-{name}"]
+    case, text = (
+        ImpactCase(*read_scene(f"impact-en-{name}")),
+        shipped_scenes()[f"impact-en-{name}"].read_text(),
+    )
     across = kmh / 3.6 * math.sin(math.radians(degrees))
     assert case.impact_severity == pytest.approx(0.5 * mass * across**2, rel=1e-12)
     assert case.scene.impact
