@@ -8,7 +8,8 @@ Medians of the 10000S of `tailslap validate`, first set of ranges; standard erro
 import command_line
 import numpy as np
 
-from tailslap.validation.samples import parameters, samples_of
+from tailslap.validation.samples import samples_of
+from tailslap.validation.tables import parameters
 
 INDEPENDENT = {27: (112.0, 0.55), 32: (180.0, 0.61), 36: (207.0, 0.65), 42: (325.0, 0.75), 54: (406.0, 0.88)}
 """Moment [kN m] and height [m] of rigid trucks of another program by the height of the wall [in], 48 samples."""

@@ -14,9 +14,7 @@ from tailslap import progress
 from tailslap.campaign import band_samples
 from tailslap.case.case import Case
 from tailslap.case.force_band import PERCENTILES, Calibration, ForceBand
-from tailslap.validation.outcomes import metres_or_newtons
-from tailslap.validation.predictions import FORCES, calibrations_of, predicted_rows
-from tailslap.validation.samples import SETS, parameters
+from tailslap.validation.tables import SETS, metres_or_newtons, parameters
 
 SOURCES = ("solver", "fem/laws", "postprocess/signals", "tailslap/case/impact", "tailslap/campaign",
            "tailslap/validation")  # fmt: skip
@@ -78,6 +76,8 @@ def classes() -> tuple[VehicleClass, ...]:
     path = folder.cache_folder() / f"calibration-{digest[:16]}.json"
     with suppress(ValueError, TypeError):
         return tuple(VehicleClass(*fields) for fields in json.loads(folder.read(path, LARGEST)))
+    from tailslap.validation.predictions import FORCES, calibrations_of, predicted_rows
+
     with progress.progress_bar("calibration of the band, once on this machine") as show:
         tables = parameters()
         calibrations = calibrations_of(predicted_rows(tables, show, FORCES)[0], tables)

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver import space
-from tailslap.scene.units import to_si
 from tailslap.validation.samples import Floats, samples_of
+from tailslap.validation.tables import metres_or_newtons
 
 SAMPLES = 256
 """Motions of each case."""
@@ -52,12 +52,6 @@ class Score(NamedTuple):
     score: float
     right: int
     cases: int
-
-
-def metres_or_newtons(text: str) -> float:
-    """Return a quantity with its unit [SI]."""
-    number, unit = text.split(" ", 1)
-    return float(number) * to_si(unit)[0]
 
 
 def rule_height(rule: Mapping[str, str]) -> float:

@@ -21,7 +21,8 @@ from tailslap.case.force_band import Calibration
 from tailslap.scene.units import to_si
 from tailslap.validation import conformal, outcomes
 from tailslap.validation.outcomes import OutcomeRow
-from tailslap.validation.samples import Floats, Samples, parameters, samples_of
+from tailslap.validation.samples import Floats, Samples, samples_of
+from tailslap.validation.tables import parameters
 
 SAMPLES, SAMPLES_IN_SPACE = 1024, 512
 """Motions of each set of ranges, in the plane and in space."""

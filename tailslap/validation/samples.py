@@ -1,10 +1,8 @@
 """Sample vehicles with ranges of inputs, in plane and space."""
 
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
 from functools import partial
-from importlib import resources
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,9 +16,6 @@ from tailslap.case.impact.rigid_input import sensor_position
 from tailslap.scene.vary import Source, vary
 
 Floats = NDArray[np.float64]
-
-SETS = ("first", "second")
-"""Names of the sets of ranges."""
 
 INTERVAL, AFTER_SECOND, STRIKES = 5e-4, 0.1, 32
 """Time between rows of the forces [s], time after the second strike [s], and strikes with room at first."""
@@ -42,13 +37,6 @@ class Samples(NamedTuple):
     answers: Mapping[str, Floats]
 
 
-def parameters(name: str = SETS[-1]) -> dict[str, Any]:
-    """Return vehicles and ranges of a set, and the published values."""
-    here = resources.files(__package__)
-    files = (here.joinpath(f"{file}.toml").read_text("utf-8") for file in (name, "published"))
-    return {key: value for text in files for key, value in tomllib.loads(text).items()}
-
-
 def samples_of(
     tables: Mapping[str, Any],
     case: Mapping[str, Any],
@@ -58,8 +46,8 @@ def samples_of(
 ) -> Samples:
     """Return samples of the vehicle of a case.
 
-    tables: as of `parameters`; case: with `vehicle` and possibly `ranges`, in place of those of the vehicle; wall: None
-    in the plane; names: of answers in space.
+    tables: as of `tables.parameters`; case: with `vehicle` and possibly `ranges`, in place of those of the vehicle;
+    wall: None in the plane; names: of answers in space.
     """
     vehicle = tables["space_vehicles" if wall else "vehicles"][case["vehicle"]]
     scene = vehicle["scene"] | ({"wall": wall} if wall else {})

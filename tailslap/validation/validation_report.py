@@ -121,6 +121,11 @@ def validate(ranges: Literal["first", "second"] = "second") -> Result:
     Result
         `summary["rows"]` contains median, band, published value, ratio and source of each row in SI.
 
+    Raises
+    ------
+    InputError
+        For another name of a set.
+
     Examples
     --------
     >>> import tailslap

@@ -315,8 +315,9 @@ def test_every_number_of_a_scene_has_bounds_on_both_sides():
     lower = [mark.least for mark in marks]
     upper = [min(mark.most, mark.below) for mark in marks]
     assert {key for key, mark in KEYS.items() if mark and mark.least < -1.0} == {
-        "trailer.kingpin"
-    }  # of a drawbar
+        "trailer.kingpin",  # of a drawbar
+        "sensor.behind_centre",
+    }
     assert max(upper) <= 1e18
     assert all(low == 0.0 or abs(low) >= 1e-15 for low in lower)
 

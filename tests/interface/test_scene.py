@@ -45,10 +45,13 @@ def test_the_papers_scenes_are_there():
 
 
 def test_one_file_is_read_for_a_shipped_scene(monkeypatch):
-    names, read_text = [], Path.read_text
-    monkeypatch.setattr(
-        Path, "read_text", lambda path, **how: names.append(path.name) or read_text(path, **how)
-    )
+    names, read_text = list[str](), Path.read_text
+
+    def noted(path: Path, **how: str) -> str:
+        names.append(path.name)
+        return read_text(path, **how)
+
+    monkeypatch.setattr(Path, "read_text", noted)
     assert read_source("mash-tl4-sut").tables["vehicle"]
     assert names == ["mash-tl4-sut.toml"]
 

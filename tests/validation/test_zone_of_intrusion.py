@@ -13,7 +13,7 @@ from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.design import intrusions
 from tailslap.case.impact.space import space_input
 from tailslap.scene.vary import Source, vary
-from tailslap.validation.samples import parameters
+from tailslap.validation.tables import parameters
 
 INCH, SAMPLES = 0.0254, 48
 

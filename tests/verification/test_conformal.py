@@ -9,9 +9,9 @@ import pytest
 from machine_code.system import folder
 from tailslap.case import case_of
 from tailslap.scene.read import read_scene
-from tailslap.validation import calibration
+from tailslap.validation import calibration, predictions
 from tailslap.validation.conformal import calibration_of, conformal_factor, held_of_left_out, score
-from tailslap.validation.samples import parameters
+from tailslap.validation.tables import parameters
 
 
 @pytest.mark.parametrize(("count", "place"), [(8, None), (9, 9), (11, 11), (19, 18), (29, 27), (99, 90)])
@@ -76,8 +76,8 @@ def test_calibrations_are_kept_under_the_digest_of_what_they_depend_on(tmp_path,
         return (), 0
 
     one = calibration_of("one", [1.5], [(0.5, 1.0, 2.0)], ["A"])
-    monkeypatch.setattr(calibration, "predicted_rows", rows)
-    monkeypatch.setattr(calibration, "calibrations_of", lambda rows, tables: 3 * (one,))
+    monkeypatch.setattr(predictions, "predicted_rows", rows)
+    monkeypatch.setattr(predictions, "calibrations_of", lambda rows, tables: 3 * (one,))
     monkeypatch.setattr(folder, "own_sources", lambda *packages: sources[0])
     for digest, count in (("1", 1), ("1", 1), ("2", 2)):
         sources[0] = digest

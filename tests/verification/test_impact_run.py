@@ -303,7 +303,7 @@ def test_a_plate_that_strikes_at_the_end_of_the_rigid_vehicle_goes_on(monkeypatc
 def test_a_strike_that_the_end_cuts_is_named(tmp_path, capsys):
     """Summary, terminal and page name it, with values as lower bounds."""
     words, cut = ["--set", "time.end=0.46", "--set", "verify.companion=false"], [False, False, True]
-    assert cli._status(["run", SCENE, *words, "--no-pictures", "--out", str(tmp_path / "out")]) == 0
+    assert cli._status(["run", SCENE, *words, "--full", "--no-pictures", "--out", str(tmp_path / "out")]) == 0
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     for model in ("fe", "rigid"):
         assert [strike["cut"] for strike in summary[model]["strikes"]] == cut

@@ -17,7 +17,7 @@ from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 from tailslap.studies import find_study
 from tailslap.studies.tipping import tipping_report, tipping_study
-from tailslap.validation.samples import parameters
+from tailslap.validation.tables import parameters
 
 SCENE, INCH = "impact-tipping-tl4-sut", 0.0254
 FREE = ("body.centre_height", "contact.friction", "axle.*.spring")

@@ -12,7 +12,8 @@ from tailslap.case.impact.space import space_input
 from tailslap.scene.vary import Source, vary
 from tailslap.validation import outcomes, predictions
 from tailslap.validation import validation_report as validation_report_module
-from tailslap.validation.samples import SETS, Samples, in_plane, parameters, samples_of
+from tailslap.validation.samples import Samples, in_plane, samples_of
+from tailslap.validation.tables import SETS, parameters
 from tailslap.validation.validation_report import validation_report
 
 TABLES = {name: parameters(name) for name in SETS}

@@ -30,7 +30,7 @@ from tailslap.case.impact.space import SpaceAnswer
 from tailslap.errors import InputError, Missing
 from tailslap.scene.vary import vary
 from tailslap.validation.outcomes import OutcomeRow, outcome_rows
-from tailslap.validation.samples import parameters
+from tailslap.validation.tables import parameters
 
 WALLS = tuple(INCH * inches for inches in INCHES)
 """Heights of common walls [m]."""
