@@ -17,7 +17,7 @@ Steps of a train are divided into parts, because its unloading lasts a milliseco
 import numpy as np
 
 from fem.laws.contact_forces import crush_line
-from machine_code.compiled import compact, compiled, inlined
+from machine_code.compiled import compiled, inlined
 from solver.impact import state as col
 from solver.impact.contact import crush_of, deepest_mean, mean_speeds, press, unloading_length
 from solver.impact.counting import count_strikes, end_of_motion, mark_cut
@@ -31,20 +31,8 @@ LOADING, UPRIGHT = 2.0, 0.25
 jumps."""
 
 
-@compact
-def advance(train, tyres, states, clock, work, rows, strikes):
-    """Integrate every sample to its end.
-
-    Results are written to states, shape (n, units, 6), rows, shape (n, rows, columns) or of the normal impulse and the
-    lateral velocity of the sensor, if any, alone, and strikes, shape (n, strikes, columns), as many as fit.
-    """
-    for i in range(train.mass.shape[1]):
-        _begin(train, i, states[i], work)
-        clock.reached[i], clock.counted[i] = _follow(states[i], clock, tyres, i, work, rows[i], strikes[i])
-
-
 @compiled
-def _begin(train, i, state, work):
+def begin(train, i, state, work):
     """Set the workspace to the start of sample i, without contact."""
     points, reach = work.points, work.reach
     points[:], work.sums[:], work.groups[:], reach[:] = 0.0, 0.0, -1.0, 0.0
@@ -71,14 +59,14 @@ def _begin(train, i, state, work):
 
 
 @compiled
-def _follow(state, clock, tyres, i, work, rows, strikes):
+def follow(state, clock, tyres, i, work, rows, strikes):
     """Integrate sample i, and return its end [s] and number of strikes.
 
     The end is NaN if the steps did not suffice.
     """
     points, owner, motion = work.points, work.point_owner, work.motion
     active, sums = work.active, work.sums
-    whole, parts, stride, end = clock.step[i], clock.parts[i], clock.stride[i], clock.end[i]
+    whole, parts, stride, end = clock.step[i], clock.parts[i], clock.stride[i], clock.end
     finish, reached, parts_taken, h = min(end, clock.longest), np.nan, parts, whole
     number = row = part = 0
     loaded, largest = 0.0, 0.0

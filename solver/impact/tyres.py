@@ -136,12 +136,6 @@ def axle_loads(mass: Array, hitch: Array, kingpin: Array, unit: NDArray[np.int64
     return load
 
 
-def chosen_tyres(tyres: Tyres, chosen: NDArray[np.int64]) -> Tyres:
-    """Return the tyres of these samples with a new workspace."""
-    columns = (np.ascontiguousarray(values[:, chosen]) for values in tyres[1:5])
-    return Tyres(tyres.unit, *columns, *(np.zeros_like(values) for values in tyres[5:]))
-
-
 @compiled
 def start_tyres(tyres, i, masses, headings, load, motion, h):
     """Begin sample i.

@@ -279,7 +279,7 @@ def test_the_work_of_a_band_is_bounded(monkeypatch):
     seconds, compile_once = [], trajectories.compile_once
 
     def counted(*arguments, **options):
-        clock = arguments[5]
+        clock = arguments[6]
         seconds.append(clock.most * len(clock.step) * trajectories.STEP_COST)
         return compile_once(*arguments, **options)
 

@@ -74,17 +74,17 @@ def test_a_planar_impact(monkeypatch):
     runs, compile_once = [], trajectories.compile_once
 
     def also(compile_all, kernel, *arguments, on_compile):
-        rows = arguments[5]
+        rows = arguments[6].rows
         rows[:] = 0.0
-        runs.append((Module({"advance": (kernel, arguments)}), rows))
+        runs.append((Module({"solve": (kernel, arguments)}), rows))
         compile_once(compile_all, kernel, *arguments, on_compile=on_compile)
 
     monkeypatch.setattr(trajectories, "compile_once", also)
     case: Any = case_of_scene("impact-mash-tl4-sut", {"time.end": 0.1})
     motion = case.motion
     module, rows = runs[0]
-    module.call("advance")
+    module.call("solve")
     scale = np.abs(rows[0, : len(motion.rows)]).max(axis=0)
     np.testing.assert_array_equal(rows[0, : len(motion.rows)], motion.rows)
     assert len(motion.rows) > 1000
-    assert (np.abs(module["rows"] - rows).max(axis=(0, 1)) <= 1e-9 * scale).all()
+    assert (np.abs(module["outcome.rows"] - rows).max(axis=(0, 1)) <= 1e-9 * scale).all()
