@@ -18,6 +18,8 @@ from collections.abc import Callable, Iterable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from postprocess.signals.compiled_filters import low_pass_of_all, means_of_all
+
 Floats = NDArray[np.float64]
 
 CLASSES = (60, 180, 600, 1000)
@@ -26,9 +28,6 @@ PAD = 0.01
 
 PERIODS = 3.0
 SAMPLES_A_PERIOD = 6.0
-
-BLOCK = 32
-"""Samples that a filter computes at once."""
 
 FILTERS: Mapping[str, Callable[[Floats, float], Floats]] = {
     "raw": lambda force, interval: force,
@@ -89,27 +88,15 @@ def moving_mean(values: Floats, interval: float, width: float) -> Floats:
     the history is shorter than the width.
     """
     check_samples(values, interval, width)
-    half, size = 0.5 * width / interval, values.shape[-1]
-    added = math.ceil(half) + 1
-    integral = np.cumsum(_extended(values, added), axis=-1, dtype=np.float64)  # item i: up to edge i + 1
-
-    def means(centre: float, count: int) -> Floats:
-        after, before = (_at_edges(integral, added + centre + side, count) for side in (half, -half))
-        return (after - before) / (2.0 * half)
-
-    inside = max(0, math.floor(size - half + 0.5))  # samples at which the mean does not extend beyond the end
-    last = np.repeat(means(size - half, 1), size - inside, axis=-1)
-    return np.concatenate((means(0.5, inside), last), axis=-1)
+    rows = _rows(values)
+    means = np.empty_like(rows)
+    means_of_all(rows, 0.5 * width / interval, np.empty(rows.shape[1] + 1), means)
+    return means.reshape(values.shape)
 
 
-def _at_edges(integral: Floats, place: float, count: int) -> Floats:
-    """Return the integral at places between edges.
-
-    integral: item i is that up to edge i + 1. place: the first of `count` places, one edge apart.
-    """
-    edge = math.floor(place)
-    lower, upper = (integral[..., first : first + count] for first in (edge - 1, edge))
-    return np.asarray(lower + (place - edge) * (upper - lower))
+def _rows(values: Floats) -> Floats:
+    """Return histories as rows, shape (histories, n)."""
+    return np.ascontiguousarray(values, dtype=np.float64).reshape(-1, values.shape[-1])
 
 
 def check_samples(values: Floats, interval: float, shortest: float, cutoff: float = 0.0) -> None:
@@ -132,60 +119,12 @@ def settling_samples(cutoff: float, interval: float) -> int:
     return math.ceil(max(PAD, PERIODS / cutoff) / interval)
 
 
-def _extended(values: Floats, added: int) -> Floats:
-    """Return the values with copies of the first and last ones.
-
-    added: number of copies at each end.
-    """
-    first, last = (np.repeat(end, added, axis=-1) for end in (values[..., :1], values[..., -1:]))
-    return np.concatenate((first, values, last), axis=-1)
-
-
 def _both_ways(values: Floats, interval: float, cutoff: float, corner: float) -> Floats:
     """Filter forward and backward with this w_a, from steady states."""
-    added, matrices = settling_samples(cutoff, interval), _matrices(corner)
-    held = _extended(values, added)
-    for _ in ("forward", "backward"):
-        held = _one_way(held, *matrices)[..., ::-1]
-    return held[..., added:-added]
-
-
-def _one_way(values: Floats, response: Floats, memory: Floats) -> Floats:
-    """Filter values in blocks from a steady state.
-
-    The state is that of the first value. response, memory: see `_matrices`.
-    """
-    size = values.shape[-1]
-    shape = *values.shape[:-1], math.ceil(size / BLOCK), BLOCK
-    rise = np.zeros((*shape[:-2], shape[-2] * BLOCK + 2))  # two samples ahead are the steady state
-    np.subtract(values, values[..., :1], out=rise[..., 2 : size + 2])
-    earlier = rise[..., :-2].reshape(shape)[..., :2]
-    filtered = rise[..., 2:].reshape(shape) @ response + earlier @ memory[:2]
-    before, step, shift = np.zeros_like(earlier), memory[2:, -2:], 1
-    before[..., 1:, :] = filtered[..., :-1, -2:]
-    while shift < shape[-2]:  # the last results of twice as many blocks with each pass
-        before[..., shift:, :] += before[..., :-shift, :] @ step
-        step, shift = step @ step, 2 * shift
-    filtered += before @ memory[2:]
-    return filtered.reshape(rise[..., 2:].shape)[..., :size] + values[..., :1]
-
-
-def _matrices(corner: float) -> tuple[Floats, Floats]:
-    """Return the matrices of a block of samples of one pass.
-
-    They are the effect of the block's values, shape (BLOCK, BLOCK), and that of the two values and the two results
-    before it, shape (4, BLOCK), earliest first. The difference equation is SAE's, with a0 to a2 and 1, -b1, -b2.
-    """
-    scale = 1.0 + math.sqrt(2.0) * corner + corner**2
-    a_0 = corner**2 / scale
-    b_1, b_2 = 2.0 * (1.0 - corner**2) / scale, (math.sqrt(2.0) * corner - 1.0 - corner**2) / scale
-    # Rows: two values before the block, its values, two results before it. Columns: two results before it, its results.
-    results = np.zeros((BLOCK + 4, BLOCK + 2))
-    results[-2, 0] = results[-1, 1] = 1.0
-    for i in range(BLOCK):
-        results[:, i + 2] = b_1 * results[:, i + 1] + b_2 * results[:, i]
-        results[i : i + 3, i + 2] += a_0, 2.0 * a_0, a_0
-    return results[2:-2, 2:], results[[0, 1, -2, -1], 2:]
+    rows, padding = _rows(values), settling_samples(cutoff, interval)
+    filtered = np.empty_like(rows)
+    low_pass_of_all(rows, padding, corner, np.empty(rows.shape[1] + 2 * padding), filtered)
+    return filtered.reshape(values.shape)
 
 
 def force_curves(force: Floats, interval: float, names: Iterable[str] = tuple(FILTERS)) -> dict[str, Floats]:

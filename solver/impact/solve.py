@@ -1,17 +1,17 @@
 """Whole impact of a rigid vehicle or train on a wall."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import asdict, astuple, dataclass
 from types import SimpleNamespace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from machine_code.compiled import OnCompile, ignore_compiling
 from solver import rules
 from solver.conditions import Array, Gate, number, positive
 from solver.impact import train as vehicles
+from solver.impact.instants import interpolate, last_interval
 from solver.impact.state import SUMS, UNIT
 from solver.impact.strikes import Strike, strikes_of_rows
 from solver.impact.strips import WallContact, awaited, group_names
@@ -119,16 +119,10 @@ class ImpactMotion:
         """
         t = np.asarray(number("time", times), dtype=np.float64)
         Gate().demand(rules.IMPACT_TIME, (t >= 0.0) & (t <= self.t_end), t, end=self.t_end)
-        k = np.minimum((t / self.interval).astype(np.int64), len(self.rows) - 2)
-        s, before, after = (t / self.interval - k)[..., None], self.rows[k], self.rows[k + 1]
-        value = before + s * (after - before)
-        names = column_names(len(self.vehicles), bool(self.axles))
-        for name, rate in _rates(len(self.vehicles)):  # by the cubic with both rates
-            i, j = names.index(name), names.index(rate)
-            one, two, u = before[..., j], after[..., j], s[..., 0]
-            secant = after[..., i] - before[..., i]
-            one, two = one * self.interval - secant, two * self.interval - secant
-            value[..., i] += u * (1.0 - u) * ((1.0 - u) * one - u * two)
+        units, value = len(self.vehicles), np.empty((*t.shape, self.rows.shape[1]))
+        names = column_names(units, bool(self.axles))
+        columns = value.reshape(-1, value.shape[-1])
+        interpolate(self.rows, self.interval, self.t_end, *rate_columns(units, names), t.ravel(), columns)
         values = SimpleNamespace(t=t, **dict(zip(names, np.moveaxis(value, -1, 0), strict=True)))
         values.kinetic_energy = 0.0
         for unit, vehicle in enumerate(self.vehicles):
@@ -189,14 +183,13 @@ class ImpactMotion:
         return vehicles.point_depths(along, across, at.y_g, at.theta)
 
 
-def _rates(units: int) -> list[tuple[str, str]]:
-    """Return columns that are integrals, with their rates.
-
-    Those of trailers are included.
-    """
+def rate_columns(units: int, names: Sequence[str]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the places of columns that are integrals, and of their rates."""
     ends = ("", *(f"_{unit}" for unit in range(2, units + 1)))
-    integrals = [(f"{name}{end}", f"{rate}{end}") for end in ends for name, rate in RATES.items()]
-    return integrals if units > 1 else [*integrals, *FORCES.items()]
+    rates = {f"{name}{end}": f"{rate}{end}" for end in ends for name, rate in RATES.items()}
+    rates |= {} if units > 1 else FORCES
+    integrals, columns = np.array([[*map(names.index, pair)] for pair in rates.items()]).T.copy()
+    return integrals, columns
 
 
 def loads_at_rest(
@@ -298,8 +291,10 @@ def solve_impact(
     strikes = strikes_of_rows(trajectories.strikes[0], names, fronts, reached)
     if end is None:
         Gate().demand(rules.NEVER, bool(strikes), state.v_gy)
-    written = math.ceil(reached / trajectories.interval[0] * (1.0 - 1e-12)) + 1  # no rows exist after the end
-    rows = trajectories.rows[0, : max(written, 2)]
+    written = (
+        last_interval.py_func(float(trajectories.interval[0]), reached) + 2
+    )  # no rows exist after the end
+    rows = trajectories.rows[0, :written]
     return ImpactMotion(
         vehicle, contact, strikes, reached, last, float(trajectories.step[0]), float(trajectories.error[0]),
         float(trajectories.interval[0]), rows, tuple(trailers), tuple(axles),

@@ -24,7 +24,7 @@ def graph():
     return {name: set(structure.imports(path, set(paths))) for name, path in paths.items()}
 
 
-STEPS = ("accuracy", "contact", "counting", "step", "trajectories", "solve", "tyres")
+STEPS = ("accuracy", "contact", "counting", "instants", "step", "trajectories", "solve", "tyres")
 IN_SPACE = ("axles", "dynamics", "facets", "forces", "motion", "rows", "solve", "step", "stopping", "verdict")
 COMPILED = {
     *(f"solver.space.{name}" for name in IN_SPACE),

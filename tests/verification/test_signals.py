@@ -55,19 +55,6 @@ def test_a_true_cutoff_is_3_db_down_at_any_rate(name, cutoff, rate):
     assert gain(FILTERS[name], cutoff, rate) == pytest.approx(math.sqrt(0.5), abs=2e-6)
 
 
-@pytest.mark.parametrize("size", [1, 31, 32, 33, 64, 129, 1000])
-def test_blocks_have_the_values_of_the_difference_equation(size):
-    """The filter's memory is longer than all blocks together."""
-    from scipy.signal import butter, lfilter
-
-    cutoff = 2e-3  # over half the sample rate
-    b, a = butter(2, cutoff)
-    values = 3.0 + np.random.default_rng(8).normal(size=(2, size))
-    expected = values[:, :1] + lfilter(b, a, values - values[:, :1])
-    filtered = filters._one_way(values, *filters._matrices(math.tan(math.pi * cutoff / 2.0)))
-    assert filtered == pytest.approx(expected, abs=1e-10)
-
-
 def test_coefficients_are_a_butterworth_filter_of_scipy():
     from scipy.signal import butter, filtfilt
 
