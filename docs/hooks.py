@@ -51,6 +51,13 @@ def on_pre_build(**_: Any) -> None:
         subprocess.run([sys.executable, "-c", code, *missing], cwd=GALLERY, check=True)
 
 
+def on_post_build(config: Any, **_: Any) -> None:
+    """Write the page of `tailslap explore` beside the first page."""
+    from tailslap.browser import page
+
+    page.write(page.FIRST, Path(config.site_dir) / "try.html")
+
+
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """Show pictures and scripts of the gallery under their titles."""
     if page.file.src_uri != "gallery/index.md":

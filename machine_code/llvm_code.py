@@ -71,14 +71,20 @@ def assembly(kernel: Implementation, kinds: Kinds, resolve: Resolve) -> str:
 
 
 def object_file(
-    kernels: Mapping[str, tuple[Implementation, Kinds]], resolve: Resolve, machine: "TargetMachine"
+    kernels: Mapping[str, tuple[Implementation, Kinds]],
+    resolve: Resolve,
+    machine: "TargetMachine",
+    further: str,
 ) -> bytes:
-    """Return one object file of several kernels by symbol, for another machine."""
+    """Return one object file of kernels by symbol, for another machine.
+
+    further: functions that it has in place of imported ones, in LLVM's language.
+    """
     first, *others = (
         _optimised(_translated(kernel, kinds, resolve, symbol)[0], machine)
         for symbol, (kernel, kinds) in kernels.items()
     )
-    for other in others:
+    for other in (*others, llvm_library().parse_assembly(further)):
         first.link_in(other)
     code: bytes = machine.emit_object(first)
     return code

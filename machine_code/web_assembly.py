@@ -7,12 +7,13 @@ pointer and functions of mathematics. Addresses have 32 bits, in slots of eight 
 import functools
 import hashlib
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from machine_code.compiled import Kernel, implementation_of
-from machine_code.object_code import ADDRESS, FLOAT, flattened, llvm_library, type_text, value_codes
+from machine_code.object_code import ADDRESS, FLOAT, LARGEST, flattened, llvm_library, type_text, value_codes
 from machine_code.system import folder
 
 if TYPE_CHECKING:
@@ -21,6 +22,24 @@ if TYPE_CHECKING:
 TRIPLE = "wasm32-unknown-unknown"
 FEATURES = "+bulk-memory,+nontrapping-fptoint,+sign-ext,+mutable-globals"
 """Instructions beyond the first version, in all browsers since 2021."""
+
+FUNCTIONS = f"""
+target triple = "{TRIPLE}"
+declare double @llvm.fabs.f64(double)
+declare double @llvm.exp.f64(double)
+declare double @llvm.copysign.f64(double, double)
+define double @tanh(double %x) {{
+  %size = call double @llvm.fabs.f64(double %x)
+  %twice = fmul double %size, -2.0
+  %power = call double @llvm.exp.f64(double %twice)
+  %above = fsub double 1.0, %power
+  %below = fadd double 1.0, %power
+  %ratio = fdiv double %above, %below
+  %result = call double @llvm.copysign.f64(double %ratio, double %x)
+  ret double %result
+}}
+"""
+"""tanh to 2e-16 of 1, since browsers compute its exponential without a call of JavaScript."""
 
 HEADER = b"\0asm\1\0\0\0"
 CUSTOM, IMPORT, EXPORT, CODE = 0, 2, 7, 10
@@ -65,20 +84,32 @@ def digest_of(calls: Calls) -> str:
 def module(calls: Calls) -> bytes:
     """Return the module of kernels, each for arguments of these types.
 
-    An exported function takes the addresses of its result and of the values of its arguments, as in `object_code`.
+    It is kept beside the compiled code of this machine. An exported function takes the addresses of its result and of
+    the values of its arguments, as in `object_code`.
     """
     from machine_code import llvm_code
 
+    digest = digest_of(calls)
+    path, mark = (
+        folder.cache_folder() / f"{digest[:20]}.wasm",
+        _section(CUSTOM, _text(DIGEST) + digest.encode()),
+    )
+    code = folder.read(path, LARGEST)
+    if code.startswith(HEADER) and code.endswith(mark):
+        return code
     kernels = {
         name: (kernel.implementation, flattened(arguments)[0]) for name, (kernel, arguments) in calls.items()
     }
-    return exported(llvm_code.object_file(kernels, implementation_of, target()), kernels, digest_of(calls))
+    code = exported(llvm_code.object_file(kernels, implementation_of, target(), FUNCTIONS), kernels) + mark
+    with suppress(OSError):
+        folder.write(path, code)
+    return code
 
 
-def exported(code: bytes, names: Iterable[str], digest: str) -> bytes:
+def exported(code: bytes, names: Iterable[str]) -> bytes:
     """Return an object file as a module that exports these functions.
 
-    Sections for a linker are left out; the digest is added as a section.
+    Sections for a linker are left out.
     """
     sections = list(_sections(code))
     linking = next(body for kind, body in sections if kind == CUSTOM and _Reader(body).text() == "linking")
@@ -90,7 +121,7 @@ def exported(code: bytes, names: Iterable[str], digest: str) -> bytes:
             parts.append(_section(EXPORT, _number(len(entries)) + b"".join(entries)))
         if kind != CUSTOM:
             parts.append(_section(kind, body))
-    return b"".join([*parts, _section(CUSTOM, _text(DIGEST) + digest.encode())])
+    return b"".join(parts)
 
 
 class _Reader:
@@ -203,8 +234,8 @@ class Place(NamedTuple):
 class Layout(NamedTuple):
     """Memory of the arguments of kernels.
 
-    calls: addresses of the result and of the arguments, by name. arrays: by parameters and their fields, "train.mass".
-    slots: address and content of all arguments. size: end of the memory [bytes].
+    calls: addresses of the result and of the arguments, by name. arrays: by kernel, parameter and fields, as
+    "solve.train.mass". slots: address and content of all arguments. size: end of the memory [bytes].
     """
 
     calls: dict[str, tuple[int, int]]
@@ -222,7 +253,11 @@ def layout(calls: Calls, results: int = 64) -> Layout:
     addresses, slots = dict[str, tuple[int, int]](), list[tuple[int, bytes]]()
     for name, (kernel, arguments) in calls.items():
         parameters = kernel.py_func.__code__.co_varnames
-        named = [array for pair in zip(parameters, arguments, strict=False) for array in _named_arrays(*pair)]
+        named = [
+            array
+            for parameter, argument in zip(parameters, arguments, strict=False)
+            for array in _named_arrays(f"{name}.{parameter}", argument)
+        ]
         for _, array in named:
             if id(array) not in places:
                 places[id(array)] = end

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import importlib.util
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -474,21 +473,26 @@ def new(name: str, as_json: bool) -> int:
 
 
 @commands.command()
-@click.argument("name", metavar="[SCENE]", default="mash-tl4-sut", shell_complete=options.complete_scene)
-@option("--port", type=options.Whole(1024, 65535), default=2718, help="Port on 127.0.0.1.")
-@click.option("--headless", is_flag=True, help="Print the address and open no browser.")
-def explore(name: str, port: int, headless: bool) -> None:
-    """Open a page in the browser with sliders for a scene.
+@click.argument(
+    "name", metavar="[SCENE]", default="impact-mash-tl4-sut", shell_complete=options.complete_scene
+)
+@option(
+    "--out", type=click.Path(dir_okay=False, path_type=Path), default="explore.html", help="File of the page."
+)
+@click.option("--headless", is_flag=True, help="Write the page and open no browser.")
+@options.with_options(options.JSON, options.QUIET)
+def explore(name: str, out: Path, headless: bool, as_json: bool) -> int:
+    """Open a page that computes whole impacts in any browser.
 
-    Force history, strikes and set-up of the rigid vehicle follow the sliders; a button runs the finite elements. The
-    page is served on 127.0.0.1 to you only, under an address with a secret. It needs marimo.
+    Force, strikes, plan and band of the rigid vehicle follow number boxes and sliders. The page is one file that needs
+    no network and no server; the kernels are those of this program, compiled to WebAssembly.
     """
-    if importlib.util.find_spec("marimo") is None:
-        raise click.ClickException("`tailslap explore` needs marimo; install it with `pip install marimo`")
-    from tailslap import server
+    from tailslap.browser import page
 
-    read.read_scene(name)
-    server.serve(name, port, headless)
+    path = page.write(name, out)
+    if not headless:
+        click.launch(path.resolve().as_uri())
+    return options.report({"scene": name, "file": str(path)}, str(path), as_json)
 
 
 @commands.command()

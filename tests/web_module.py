@@ -22,9 +22,17 @@ class Module:
             self.store, self.module, [self._imported(item) for item in self.module.imports]
         ).exports(self.store)
         for place in self.layout.arrays.values():
-            self.memory.write(self.store, place.content, place.at)
+            self._put(place.at, place.content)
         for at, content in self.layout.slots:
-            self.memory.write(self.store, content, at)
+            self._put(at, content)
+
+    @property
+    def _bytes(self):
+        """Memory of the module, which wasmtime would copy item by item."""
+        return np.ctypeslib.as_array(self.memory.data_ptr(self.store), (self.memory.data_len(self.store),))
+
+    def _put(self, at, content):
+        self._bytes[at : at + len(content)] = np.frombuffer(content, np.uint8)
 
     def _imported(self, item):
         if isinstance(item.type, wasmtime.MemoryType):
@@ -37,13 +45,9 @@ class Module:
         """Call a kernel, and return the first numbers of its result."""
         result, arguments = self.layout.calls[name]
         self.exports[name](self.store, result, arguments)
-        return np.frombuffer(self.memory.read(self.store, result, result + 8 * numbers))
+        return self._bytes[result : result + 8 * numbers].view(np.float64)
 
     def __getitem__(self, name):
         place = self.layout.arrays[name]
         size = np.dtype(place.kind).itemsize * math.prod(place.shape)
-        content = self.memory.read(self.store, place.at, place.at + size)
-        return np.frombuffer(content, place.kind).reshape(place.shape)
-
-    def __setitem__(self, name, values):
-        self.memory.write(self.store, np.asarray(values).tobytes(), self.layout.arrays[name].at)
+        return self._bytes[place.at : place.at + size].view(place.kind).reshape(place.shape)

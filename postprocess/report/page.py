@@ -172,18 +172,23 @@ def page_text(page: Page) -> str:
 
     All its pictures must exist.
     """
-    script = (Path(__file__).parents[1] / "templates" / "page.js").read_text(encoding="utf-8")
+    script = template_text("page.js")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
-    template, original = _template(), page.original or page
+    original, render = page.original or page, template("page.html.j2").render
     common: dict[str, Any] = {"shown": page.units.name, "script": script, "digest": digest}
     common["data_uri"] = functools.cache(data_uri)  # for both units
-    texts = [template.render(common, page=original.in_units(units)) for units in (SI, US)]
+    texts = [render(common, page=original.in_units(units)) for units in (SI, US)]
     return in_both_units(texts if page.units is SI else texts[::-1], page.units)
 
 
+def template_text(name: str) -> str:
+    """Return the text of a file beside the templates."""
+    return (Path(__file__).parents[1] / "templates" / name).read_text(encoding="utf-8")
+
+
 @functools.cache
-def _template() -> Template:
-    """Return the template of pages.
+def template(name: str) -> Template:
+    """Return a template of pages.
 
     Its compiled code is stored beside that of this module, and under the same conditions.
     """
@@ -209,7 +214,7 @@ def _template() -> Template:
         lstrip_blocks=True,
     )
     environment.filters |= {"words": prose, "prose": lambda text: between(prose(text))}
-    return environment.get_template("page.html.j2")
+    return environment.get_template(name)
 
 
 def between(html: str) -> Markup:

@@ -4,14 +4,14 @@ from machine_code.compiled import compiled
 
 
 @compiled
-def interpolate(rows, interval, end, integrals, rates, times, values):
+def interpolate(rows, interval, end, integrals, rates, times, values, count):
     """Fill the values at instants from the rows of a motion.
 
-    rows: at even instants, `interval` apart [s]; values, shape (times, columns). Columns `integrals` are cubic with the
-    rates in the columns `rates`, the others linear.
+    rows: at even instants, `interval` apart up to the end [s]; times, values: of `count` instants, values of shape
+    (instants, columns). Columns `integrals` are cubic with the rates in the columns `rates`, the others linear.
     """
     last = last_interval(interval, end)
-    for k in range(times.size):
+    for k in range(count):
         place = times[k] / interval
         j = min(int(place), last)
         u = place - float(j)

@@ -122,7 +122,8 @@ class ImpactMotion:
         units, value = len(self.vehicles), np.empty((*t.shape, self.rows.shape[1]))
         names = column_names(units, bool(self.axles))
         columns = value.reshape(-1, value.shape[-1])
-        interpolate(self.rows, self.interval, self.t_end, *rate_columns(units, names), t.ravel(), columns)
+        joined = rate_columns(units, names)
+        interpolate(self.rows, self.interval, self.t_end, *joined, t.ravel(), columns, t.size)
         values = SimpleNamespace(t=t, **dict(zip(names, np.moveaxis(value, -1, 0), strict=True)))
         values.kinetic_energy = 0.0
         for unit, vehicle in enumerate(self.vehicles):

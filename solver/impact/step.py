@@ -26,6 +26,9 @@ from solver.impact.tyres import end_tyre_step, record_tyres, start_tyres, steer
 NEAR = 0.25
 """Step over the remaining time to the next jump of stiffness, at the tolerance."""
 
+ROUNDED = 1e-9
+"""Depth in front of a jump of stiffness [m] that is rounding, by which no step is chosen."""
+
 LOADING, UPRIGHT = 2.0, 0.25
 """Phase of a step on loading over that on a line of unloading; the second where the line is vertical and force
 jumps."""
@@ -159,7 +162,7 @@ def _parts_of_step(points, clock, i, part, parts_taken, last):
         slowing = (points[p, col.RATE] - rate) / last
         points[p, col.RATE] = rate
         pressed = (UPRIGHT if upright else LOADING) * phase / clock.rate[i]
-        if depth <= points[p, col.FOOT]:
+        if depth <= points[p, col.FOOT] - ROUNDED:
             if rate > 0.0:
                 time_left = near * (points[p, col.FOOT] - depth) / rate
                 length = deepest - points[p, col.FOOT]
@@ -169,7 +172,7 @@ def _parts_of_step(points, clock, i, part, parts_taken, last):
         shortest = min(shortest, pressed)
         if upright:
             points[p, col.FOOT] = deepest
-        elif rate > 0.0 and depth >= deepest:
+        elif rate > 0.0 and depth >= deepest - ROUNDED:
             if slowing > 0.0:
                 least = floor * phase * np.sqrt(unloading_length(points[p]) / slowing) if floor > 0.0 else 0.0
                 shortest = min(shortest, max(near * rate / slowing, least))

@@ -225,8 +225,8 @@ def room_for(state: Array, rows: int, strikes: int, width: int) -> Outcome:
     """
     n, units, _ = state.shape
     return Outcome(
-        np.zeros(state.shape), np.full((n, strikes, len(STRIKE)), np.nan), np.empty((n, rows, width)), np.zeros(n),
-        np.zeros(n), np.zeros(n, dtype=np.int64), np.zeros((units, 6)), np.full((strikes, len(STRIKE)), np.nan),
+        np.zeros(state.shape), np.zeros((n, strikes, len(STRIKE))), np.empty((n, rows, width)), np.zeros(n),
+        np.zeros(n), np.zeros(n, dtype=np.int64), np.zeros((units, 6)), np.zeros((strikes, len(STRIKE))),
     )  # fmt: skip
 
 

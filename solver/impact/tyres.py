@@ -113,27 +113,41 @@ def axle_loads(mass: Array, hitch: Array, kingpin: Array, unit: NDArray[np.int64
     the units that it joins [m], shape (units - 1, n); unit: number of each axle's unit, from 0; along: distance of the
     axles ahead of the centre of mass of their unit [m], shape (axles, n).
     """
-    load, pressed = np.zeros_like(along), np.zeros(along.shape[1])  # by the kingpin of the unit behind
-    for u in reversed(range(len(mass))):
-        on_unit, weight = unit == u, GRAVITY * mass[u]
-        x, count = along[on_unit], np.count_nonzero(on_unit)
-        ahead = hitch[u] if u < len(hitch) else 0.0
-        if u > 0 and count:
-            pin = kingpin[u - 1]
-            moment = pressed * (ahead - pin) - weight * pin
-            load[on_unit] = moment / (x - pin).sum(axis=0)
-            pressed = weight + pressed - load[on_unit].sum(axis=0)
-        elif count:
-            force, moment = weight + pressed, pressed * ahead
-            first, second = x.sum(axis=0), (x * x).sum(axis=0)
-            spread = count * second - first**2
-            are_apart = spread > 1e-9 * np.maximum(second, 1e-300)
-            safe = np.where(are_apart, spread, 1.0)
-            slope = np.where(are_apart, (count * moment - first * force) / safe, 0.0)
-            load[on_unit] = (force - slope * first) / count + slope * x
-        else:
-            pressed = np.zeros_like(pressed)
+    load = np.zeros(along.shape)
+    count = along.shape[1]
+    of_units = [np.ascontiguousarray(values).reshape(-1, count) for values in (mass, hitch, kingpin)]
+    for i in range(count):
+        set_axle_loads(*of_units, np.ascontiguousarray(unit), np.ascontiguousarray(along), load, i)
     return load
+
+
+@compiled
+def set_axle_loads(mass, hitch, kingpin, unit, along, load, i):
+    """Set the loads of the axles of a sample.
+
+    They follow from the last unit on.
+    """
+    pressed = 0.0  # by the kingpin of the unit behind
+    for u in range(mass.shape[0] - 1, -1, -1):
+        weight, ahead, pin = GRAVITY * mass[u, i], 0.0, 0.0
+        if u < hitch.shape[0]:
+            ahead = hitch[u, i]
+        if u > 0:
+            pin = kingpin[u - 1, i]
+        count, first, second = 0.0, 0.0, 0.0
+        for a in range(unit.size):
+            if unit[a] == u:
+                count, first, second = count + 1.0, first + along[a, i], second + along[a, i] ** 2
+        force, moment, slope = weight + pressed, pressed * ahead, 0.0
+        spread = count * second - first**2
+        if u > 0 and count > 0.0:
+            force = count * (moment - force * pin) / (first - count * pin)
+        elif spread > 1e-9 * max(second, 1e-300):
+            slope = (count * moment - first * force) / spread
+        for a in range(unit.size):
+            if unit[a] == u:
+                load[a, i] = (force - slope * first) / count + slope * along[a, i]
+        pressed = weight + pressed - force if u > 0 and count > 0.0 else 0.0
 
 
 @compiled

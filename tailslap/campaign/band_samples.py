@@ -57,10 +57,11 @@ def force_band(case: Case) -> ForceBand:
         ranges = tuple(item for item in every if _contains_own(item))
         if not ranges:
             return ForceBand(refusal="all inputs of the scene are outside their ranges")
-        drawn = sampling.latin_hypercube(len(ranges), count, np.random.default_rng(sampling.SEED))
+        drawn = sampling.latin_hypercube(len(every), count, np.random.default_rng(sampling.SEED))
         inputs = {
             item.key: item.lower + (item.upper - item.lower) * column
-            for item, column in zip(ranges, drawn, strict=True)
+            for item, column in zip(every, drawn, strict=True)
+            if item in ranges
         }
         rows, reason = _possible(case, inputs, count)
         if len(rows) < sampling.MIN_ROWS:

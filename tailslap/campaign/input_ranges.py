@@ -38,6 +38,8 @@ CONTACT_FRICTION = 0.1, 0.35, "ratios of impulses 0.13 to 0.31: National Academi
 """Default range of the friction of a whole impact."""
 HARDENING = 0.25
 """Assumed hardening over stiffness of a plateau where the scene omits it: 0.5 MN/m of 2 MN/m."""
+MASS = 0.05
+"""Half the range of the mass of other vehicles, over the mass."""
 LIGHT_VEHICLES = {"1100C": (2420.0, 55.0), "2270P": (5000.0, 110.0)}
 """Inertial mass and its tolerance [lb] by vehicle of MASH."""
 
@@ -64,7 +66,7 @@ def impact_limits(scene: schema.Scene, mass: float) -> dict[str, Limits]:
 
     mass: nominal mass of the vehicle [kg].
     """
-    limits = {"vehicle.mass": about(mass, 0.05 * mass, "± 5 %, assumed")} | default_limits(scene)
+    limits = {"vehicle.mass": about(mass, MASS * mass, "± 5 %, assumed")} | default_limits(scene)
     keys = ("vehicle.mass", "impact.speed", "impact.angle")
     return {key: limits[key] for key in keys} | {"contact.friction": CONTACT_FRICTION}
 

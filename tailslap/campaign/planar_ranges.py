@@ -83,7 +83,7 @@ def impact_ranges(
     By default, they are the tolerances of MASH, and assumed where it has none. Raises InputError for an invalid range
     or key.
     """
-    nominal = _nominal(case)
+    nominal = nominal_values(case)
     varied = ranges_of(case, tuple(nominal), _impact_limits(case, nominal), ranges, fixed)
     for item in varied:
         if item.key == "impact.angle" and not 0.0 < item.lower < item.upper < 0.5 * math.pi:
@@ -96,7 +96,7 @@ def impact_ranges(
     )
 
 
-def _nominal(case: ImpactCase) -> dict[str, float]:
+def nominal_values(case: ImpactCase) -> dict[str, float]:
     """Return the scene's value of every input [SI].
 
     Values of each corner and the yaw inertia are included.

@@ -293,10 +293,19 @@ def unit_at(key: str, tables: vary.Tables | None = None) -> str:
 
     tables: of the scene, which say whether a strip is a point.
     """
+    quantity = quantity_at(key, tables)
+    return quantity.unit if quantity else ""
+
+
+def quantity_at(key: str, tables: vary.Tables | None = None) -> units.Quantity | None:
+    """Return the quantity of a dotted key, None for other values.
+
+    tables: as of `unit_at`.
+    """
     table, *_, name = key.partition("@")[0].split(".")
     strip = validate.value_in(tables or {}, key.rpartition(".")[0]) if table == "strip" else None
     is_point = isinstance(strip, Mapping) and "height" not in strip and not isinstance(strip.get("at"), list)
-    return unit_of(schema.TABLES[table].model_fields[name], is_point)
+    return _quantity(schema.TABLES[table].model_fields[name], is_point)
 
 
 def unit_of(field: FieldInfo, is_point: bool = False) -> str:
@@ -304,8 +313,17 @@ def unit_of(field: FieldInfo, is_point: bool = False) -> str:
 
     is_point: of a strip that is a point.
     """
+    quantity = _quantity(field, is_point)
+    return quantity.unit if quantity else ""
+
+
+def _quantity(field: FieldInfo, is_point: bool = False) -> units.Quantity | None:
+    """Return the quantity of a key, None for other values.
+
+    is_point: of a strip that is a point.
+    """
     marks = [*field.metadata, *(mark for kind in get_args(field.annotation) for mark in get_args(kind))]
     quantity = next((mark for mark in marks if isinstance(mark, units.Quantity)), None)
     if is_point and isinstance(quantity, units.OfStrip):
         quantity = quantity.of_point
-    return quantity.unit if quantity else ""
+    return quantity

@@ -27,6 +27,7 @@ def graph():
 STEPS = ("accuracy", "contact", "counting", "instants", "step", "trajectories", "solve", "tyres")
 IN_SPACE = ("axles", "dynamics", "facets", "forces", "motion", "rows", "solve", "step", "stopping", "verdict")
 COMPILED = {
+    "postprocess.signals.compiled_filters",
     *(f"solver.space.{name}" for name in IN_SPACE),
     *(f"solver.impact.{name}" for name in STEPS),
 }
@@ -132,7 +133,7 @@ def test_templates_are_compiled_by_the_first_process_alone(python, tmp_path, is_
         names, compiled = [], jinja2.Environment.compile
         jinja2.Environment.compile = lambda self, *source: names.append(source[1]) or compiled(self, *source)
         from postprocess.report import page
-        page._template()
+        page.template("page.html.j2")
         print(*names)
     """
     folder = tmp_path / "bytecode"

@@ -15,6 +15,7 @@ from solver.impact import (
     first_touch,
     solve_impact,
 )
+from tailslap.case.of_arguments import case_of_scene
 
 SPEED, ANGLE, MU = 56 * 0.44704, math.radians(15.0), 0.47
 
@@ -168,3 +169,21 @@ def test_forces_of_a_huge_vehicle_have_rows_of_the_interval():
     rows = int(motion.strikes[0].end / 5e-4)
     impulse = motion.at(5e-4 * np.arange(1, rows + 1)).impulse_normal
     assert 5e-4 * np.cumsum(many.mean_force[:rows]) == pytest.approx(impulse, abs=1e-3 * impulse.max())
+
+
+@pytest.mark.parametrize(
+    "scene", ["impact-mash-tl4-sut", "impact-mash-tl3-car", "impact-mash-tl5-tractor-van"]
+)
+def test_no_step_depends_on_rounding(scene):
+    """Inputs that differ in their last digits have the same steps."""
+    case: Any = case_of_scene(scene, None)
+    speed, random = np.linspace(0.9, 1.1, 60) * case.inputs["impact.speed"], np.random.default_rng(4)
+    rounded = {
+        key: value * (1.0 + 8e-16 * random.uniform(-1.0, 1.0, 60)) for key, value in case.inputs.items()
+    }
+    until = {"after_second": 0.1, "interval": 5e-4, "strikes": 32}
+    other = case.impacts(
+        rounded | {"impact.speed": speed * (1.0 + 8e-16 * random.uniform(-1.0, 1.0, 60))}, **until
+    )
+    impacts = case.impacts({"impact.speed": speed}, **until)
+    np.testing.assert_allclose(other.impulse, impacts.impulse, rtol=1e-8)

@@ -48,7 +48,7 @@ def test_each_type_of_argument_and_result():
     integers = numbers.view(np.int64)
     assert numbers[0] == pytest.approx(native[0], rel=1e-14)
     assert (*integers[1:3], integers[3]) == (3, 1, 2**63 - 1) == (native[1], native[2], native[3])
-    np.testing.assert_allclose(module["table"], arguments[1], rtol=1e-14)
+    np.testing.assert_allclose(module["mixture.table"], arguments[1], rtol=1e-14)
 
 
 def test_kernels_of_a_module_share_arrays_and_have_a_digest():
@@ -56,9 +56,9 @@ def test_kernels_of_a_module_share_arrays_and_have_a_digest():
     calls = {"one": (mixture, (values, table, True, 1.0)), "two": (mixture, (values, table, False, 1.0))}
     module = Module(calls)
     module.call("one")
-    assert module["table"].any()
+    assert module["one.table"].any()
     module.call("two")
-    assert not module["table"].any()
+    assert not module["one.table"].any()
     digest = web_assembly.digest_of(calls)
     assert digest.encode() in web_assembly.module(calls)
     assert digest != web_assembly.digest_of({"one": calls["one"]})
@@ -87,4 +87,4 @@ def test_a_planar_impact(monkeypatch):
     scale = np.abs(rows[0, : len(motion.rows)]).max(axis=0)
     np.testing.assert_array_equal(rows[0, : len(motion.rows)], motion.rows)
     assert len(motion.rows) > 1000
-    assert (np.abs(module["outcome.rows"] - rows).max(axis=(0, 1)) <= 1e-9 * scale).all()
+    assert (np.abs(module["solve.outcome.rows"] - rows).max(axis=(0, 1)) <= 1e-9 * scale).all()

@@ -63,6 +63,9 @@ OF_AN_AXLE = ("position", "friction", "cornering")
 
 VERDICT = " Published values beside such bands: `tailslap validate`, docs/validation.md."
 
+EQUAL, OF_SCENE = ", equal to its assumed plateau", "This scene: "
+"""Words behind a force that equals its plateau, and before the force of a scene beside a band."""
+
 ROUNDING = 2e-3
 """Relative difference from a plateau of a force that equals it."""
 
@@ -94,6 +97,14 @@ ENDS = {
 def tested(band: ForceBand) -> str:
     """Return the origin of a band and its comparison with tests."""
     return f"{band.sentence}{VERDICT if band.percentiles else ''}"
+
+
+def row_interval(shortest: float, end: float) -> float:
+    """Return the time between rows [s].
+
+    shortest, end: duration of the shortest strike, and end of the motion [s].
+    """
+    return min(SAMPLE, max(shortest / ROWS_A_STRIKE, end / MOST_ROWS))
 
 
 @cached("rigid impact")
@@ -227,7 +238,7 @@ class RigidImpact(Case):
         motion = self.motion
         counted = motion.strikes[: answers.counted(len(self.vehicles))]
         shortest = min((strike.duration for strike in counted), default=SAMPLE * ROWS_A_STRIKE)
-        return min(SAMPLE, max(shortest / ROWS_A_STRIKE, motion.t_end / MOST_ROWS))
+        return row_interval(shortest, motion.t_end)
 
     @cached_property
     def in_plane(self) -> answers.ImpactAnswer:
@@ -406,7 +417,7 @@ class RigidImpact(Case):
         name = self.force_words if reliable or self.space else f"{self.force_words}, not reliable"
         mean, where = self._scene_force(answer)
         equal = any(abs(mean / plateau - 1.0) <= ROUNDING for plateau in self.plateaus)
-        where += ", equal to its assumed plateau" if equal else ""
+        where += EQUAL if equal else ""
         paper = self.paper_method
         further = [self.space.verdict] if self.space else []
         further += [f"Paper's method: {force(paper['mean_50ms'])}."] if paper else []
@@ -415,7 +426,7 @@ class RigidImpact(Case):
             return " ".join([f"{name}: {where}{ratio}.", *further])
         lower, median, upper = band.limits
         ratio = self.design_ratio(median, (lower, upper))
-        first = f"{name}: {band.interval}{ratio}.{band.decision} This scene: {where}."
+        first = f"{name}: {band.interval}{ratio}.{band.decision} {OF_SCENE}{where}."
         return " ".join([first, *further])
 
     def _scene_force(self, answer: answers.ImpactAnswer) -> tuple[float, str]:

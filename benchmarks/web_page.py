@@ -1,0 +1,154 @@
+"""Measure the page of `tailslap explore` in Chromium.
+
+    python benchmarks/web_page.py [--random 200]
+
+Against kernels of this machine, of all scenes of the page and random changes of them: largest difference of a motion
+over the maximum of its column, and of the percentiles of the band. Size of the page, time to the first answer, and
+times of motion and band on both sides.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gzip
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from playwright.sync_api import sync_playwright
+
+from tailslap.browser import kernels, model, page
+from tailslap.case.of_arguments import case_of_scene
+from tailslap.errors import InputError
+from tailslap.scene.schema import value_at
+
+CHROMIUM = "/usr/bin/chromium"
+STRIDE = 40
+"""Rows of a motion that are compared: each of this number."""
+
+ANSWER = """([name, changes, stride]) => {
+  open(data.scenes.findIndex((one) => one.name === name));
+  clearTimeout(timer);
+  chosen.values = new Map(changes);
+  for (const quantity of scene().quantities) machine.array("motion.values")[quantity.column] = value(quantity);
+  const answer = machine.solve(), width = scene().arrays["motion.motion.values"][2][1], rows = [];
+  const values = machine.array("motion.motion.values");
+  for (let k = 0; k < answer[3]; k += stride) rows.push([...values.subarray(k * width, (k + 1) * width)]);
+  const band = machine.call("band");
+  return [answer, rows, band, [...machine.array("band.percentiles")]];
+}"""
+
+TIMES = """([name, count]) => {
+  open(data.scenes.findIndex((one) => one.name === name));
+  clearTimeout(timer);
+  return ["motion", "band"].map((kernel) => Math.min(...Array.from({ length: count }, () => {
+    const start = performance.now();
+    machine.call(kernel);
+    return performance.now() - start;
+  })));
+}"""
+
+
+def native(built: Any, changes: dict[str, float]) -> tuple[Any, np.ndarray, Any, np.ndarray]:
+    """Return answers and numbers of motion and band by this machine's code."""
+    kernel, arguments = built.calls["motion"]
+    for key, value in changes.items():
+        arguments[0][built.quantities.index(key), 0] = value
+    answer = kernel(*arguments)
+    rows = arguments[-1].values[: answer[3] : STRIDE].copy()
+    kernel, arguments = built.calls["band"]
+    return answer, rows, kernel(*arguments), arguments[-1].ravel()
+
+
+def random_changes(random: np.random.Generator, case: Any) -> dict[str, float]:
+    """Return changed quantities of a scene."""
+    changes = {
+        "impact.speed": random.uniform(8.0, 35.0),
+        "impact.angle": np.radians(random.uniform(5.0, 30.0)),
+        "contact.friction": random.uniform(0.0, 0.6),
+        "vehicle.mass": case.scene.vehicle.mass * random.uniform(0.7, 1.4),
+        "contact.restitution": random.uniform(0.0, 0.4),
+        "contact.stiffness": random.uniform(5e5, 4e6),
+    }
+    return {key: float(value) for key, value in changes.items() if value_at(case.scene, key) is not None}
+
+
+def compare(tab: Any, names: list[str], count: int) -> None:
+    """Print the largest differences of all scenes and of random ones."""
+    random, cases = np.random.default_rng(64), {name: case_of_scene(name, None) for name in names}
+    runs = [(name, dict[str, float]()) for name in names]
+    chosen = [names[int(random.integers(len(names)))] for _ in range(count)]
+    runs += [(name, random_changes(random, cases[name])) for name in chosen]
+    motions, bands, differing = [], [], 0
+    for name, changes in runs:
+        case: Any = cases[name]
+        answer, rows, band, percentiles = native(model.model_of(case), changes)
+        other, other_rows, other_band, others = tab.evaluate(ANSWER, [name, [*changes.items()], STRIDE])
+        if answer[2] == kernels.MORE_ROWS:
+            continue  # Chromium has made room for them
+        if list(answer) != other[: len(answer)] or list(band) != other_band:
+            differing += 1
+            print(f"{name} {changes}: {answer} {band}, in Chromium {other} {other_band}")
+        elif answer[3]:
+            largest = np.maximum(np.abs(rows).max(axis=0), 1e-300)
+            motions.append(float((np.abs(np.array(other_rows) - rows).max(axis=0) / largest).max()))
+            if band[0] == band[2] == 0:
+                bands.append(float(np.abs(np.array(others) / percentiles - 1.0).max()))
+    print(f"{len(runs)} scenes, {differing} with another outcome")
+    print(
+        f"motions: {np.max(motions):.1e} of each maximum; percentiles of {len(bands)} bands: {np.max(bands):.1e}"
+    )
+
+
+def time_both(tab: Any, name: str) -> None:
+    """Print the shortest times of motion and band on both sides [ms]."""
+    case: Any = case_of_scene(name, None)
+    built: Any = model.model_of(case)
+    here = []
+    for kernel, arguments in built.calls.values():
+        spent = []
+        for _ in range(15):
+            began = time.perf_counter()
+            kernel(*arguments)
+            spent.append(1e3 * (time.perf_counter() - began))
+        here.append(min(spent))
+    there = tab.evaluate(TIMES, [name, 15])
+    for kernel, one, other in zip(built.calls, here, there, strict=True):
+        print(f"{name} {kernel}: native {one:.1f} ms, Chromium {other:.1f} ms, {other / one:.1f} times")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--random", type=int, default=200, help="number of random changes")
+    count = parser.parse_args().random
+    names = page.all_scenes("impact-mash-tl4-sut")
+    text = page.page_of(names).encode()
+    print(f"page: {len(text) / 1e3:.0f} kB, compressed {len(gzip.compress(text)) / 1e3:.0f} kB")
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as started:
+        path = Path(folder) / "explore.html"
+        path.write_bytes(text)
+        tab = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"]).new_page()
+        tab.goto(path.as_uri())
+        tab.wait_for_function("() => document.body.dataset.band")
+        first, band = (tab.get_attribute("body", f"data-{name}") for name in ("ready", "band"))
+        print(f"first answer after {first} ms, its band in {band} ms")
+        for name in ("impact-mash-tl4-sut", "impact-mash-tl5-tractor-van"):
+            time_both(tab, name)
+        compare(tab, [name for name in names if is_computed(name)], count)
+
+
+def is_computed(name: str) -> bool:
+    """Return True for a scene that the page computes."""
+    try:
+        model.demand_planar(case_of_scene(name, None))
+    except InputError:
+        return False
+    return True
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Page that computes whole impacts in a browser."""

@@ -1,0 +1,242 @@
+"""Page of `tailslap explore`, one file with kernels, scenes and texts."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import math
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import tailslap
+from machine_code import web_assembly
+from postprocess.report.page import template, template_text
+from postprocess.signals.design_forces import design_forces
+from solver import rules
+from tailslap.browser import kernels, model
+from tailslap.case.force_band import PERCENTILES, Calibration, ForceBand
+from tailslap.case.impact import rigid
+from tailslap.case.of_arguments import case_of_scene
+from tailslap.case.report_parts import design_forces_of
+from tailslap.errors import InputError, place_error
+from tailslap.scene import schema, units
+from tailslap.scene.read import read_text, scene_text, scenes
+from tailslap.scene.validate import value_in
+from tailslap.scene.write import quantity_at
+
+if TYPE_CHECKING:
+    from tailslap.case.impact.case import ImpactCase
+
+DISPLAYED = {
+    "m/s": ("km/h", "mph"),
+    "m": ("m", "ft"),
+    "kg": ("kg", "lb"),
+    "N": ("kN", "kip"),
+    "N s": ("kN s", "kip s"),
+    "N/m": ("MN/m", "kip/ft"),
+    "N/m^2": ("MN/m^2", "kip/ft^2"),
+    "rad": ("deg", "deg"),
+    "kg m^2": ("kg m^2", "lb ft^2"),
+    "s": ("s", "s"),
+    "": ("", ""),
+}
+"""Units in which a page shows quantities, in SI and US units, as a scene file may have them."""
+
+SLIDERS = {
+    "speed": (5.0, 40.0),
+    "angle": (math.radians(5.0), math.radians(45.0)),
+    "mass": (500.0, 40_000.0),
+    "friction": (0.0, 1.0),
+    "restitution": (0.0, 0.7),
+}
+"""Ends of sliders by name of the quantity [SI]; of others half and twice the scene's value."""
+
+REASONS = {
+    kernels.PLATEAU: rules.PLATEAU,
+    kernels.LINE: rules.LINE,
+    kernels.UNLOADING: rules.UNLOADING,
+    kernels.HARDENING: rules.HARDENING,
+    kernels.CENTRE: rules.CENTRE,
+    kernels.INERTIA: rules.INERTIA._replace(allowed=rules.INERTIA.allowed.partition(" = {")[0]),
+    kernels.AXLE: rules.AXLE._replace(allowed="from 0 to the length of the unit, {length:.6g} m"),
+    kernels.AXLE_LOAD: rules.AXLE_LOAD,
+}
+"""Rules of the theory by the kernels' number."""
+
+READ = (
+    "motion.values", "motion.parts.units", "motion.parts.axles", "motion.parts.points", "motion.parts.places",
+    "motion.case.0.group", "motion.case.0.plateau_force", "motion.case.1.load", "motion.case.1.unit",
+    "motion.case.4.reached", "motion.outcome.rows", "motion.outcome.interval", "motion.outcome.strikes",
+    "motion.outcome.error", "motion.motion.values", "motion.motion.curves", "motion.motion.strike_means",
+    "motion.motion.times", "motion.motion.peaks", "band.ranges.ends", "band.percentiles", "band.forces",
+)  # fmt: skip
+"""Arrays that the script of a page reads or fills."""
+
+MARK = '<meta name="generator" content="tailslap explore">'
+"""Part of every page, by which one is known."""
+
+FIRST = "impact-mash-tl4-sut"
+"""Scene of a page without another one."""
+
+LARGEST = 2**22
+"""Largest file that is looked at [bytes]."""
+
+
+def write(name: str, path: Path) -> Path:
+    """Write the page of a scene.
+
+    Those of the program follow. Raises InputError for a scene that a page cannot compute, and where another file or
+    folder is in place.
+    """
+    text = page_of(all_scenes(name))
+    try:
+        if path.exists() and MARK not in read_text(path, LARGEST):
+            raise ValueError("it is not a page of this command")
+        path.write_text(text, encoding="utf-8")
+    except ValueError as error:
+        raise InputError("--out", str(path), f"{error}; choose another file") from None
+    except OSError as error:
+        raise place_error(path, "the file cannot be written", error) from None
+    return path
+
+
+def page_of(names: Iterable[str]) -> str:
+    """Return the page of scenes, of which the first is shown.
+
+    names: of scenes, or files. Raises InputError for a scene that a page cannot compute, if it is the first.
+    """
+    texts, calls = _Texts(), None
+    shown, beyond = list[dict[str, Any]](), list[dict[str, str]]()
+    for name in names:
+        case: Any = case_of_scene(name, None)
+        try:
+            built = model.model_of(case)
+        except InputError as error:
+            if not shown:
+                raise
+            beyond.append({"name": case.scene.name, "why": str(error)})
+            continue
+        calls = calls or built.calls
+        shown.append(_scene(case, name, built, texts))
+    assert calls
+    data = {
+        "digest": web_assembly.digest_of(calls),
+        "module": base64.b64encode(web_assembly.module(calls)).decode("ascii"),
+        "stack": web_assembly.STACK,
+        "texts": [*texts],
+        "scenes": shown,
+        "beyond": beyond,
+        "units": {unit: [_displayed(unit, name) for name in pair] for unit, pair in DISPLAYED.items()},
+        "reasons": {number: [rule.why, rule.allowed] for number, rule in REASONS.items()},
+        "percentiles": len(PERCENTILES),
+        "force": rigid.RigidImpact.force_words,
+        "band": ForceBand().name,
+        "rounding": rigid.ROUNDING,
+        "equal": rigid.EQUAL,
+        "of_scene": rigid.OF_SCENE,
+    }
+    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+    script = template_text("explore.js")
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
+    return template("explore.html.j2").render(
+        data=text, script=script, digest=digest, version=tailslap.__version__
+    )
+
+
+def all_scenes(first: str) -> list[str]:
+    """Return a scene and those of the program behind it."""
+    return list(dict.fromkeys([first, *(name for name in scenes() if name.startswith("impact-"))]))
+
+
+class _Texts(dict[str, int]):
+    """Texts, each once, with their numbers."""
+
+    def number(self, text: str) -> int:
+        """Return the number of a text."""
+        return self.setdefault(text, len(self))
+
+    def content(self, content: bytes) -> int:
+        """Return the number of a content of memory."""
+        return self.number(base64.b64encode(content).decode("ascii"))
+
+
+def _displayed(unit: str, name: str) -> tuple[float, str]:
+    """Return the factor from SI, and the name of a displayed unit."""
+    return (units.converted(1.0, unit, name) if unit else 1.0), name
+
+
+def _scene(case: ImpactCase, name: str, built: model.Model, texts: _Texts) -> dict[str, Any]:
+    """Return a scene for a page."""
+    memory, parts = web_assembly.layout(built.calls), cast(kernels.Parts, built.calls["motion"][1][1])
+    contents = [(place.at, texts.content(place.content)) for place in memory.arrays.values() if place.content]
+    contents += [(at, texts.content(content)) for at, content in memory.slots]
+    loads = [[load, design.force] for load, design in design_forces_of(case.scene).items()]
+    origins = {item.key: item.origin for item in built.ranges}
+    text = scene_text(name)
+    return {
+        "name": case.scene.name,
+        "title": text.splitlines()[0].removeprefix("#").strip() if text.startswith("#") else case.scene.name,
+        "loads": loads,
+        "compared": _compared(case),
+        "text": text,
+        "calls": memory.calls,
+        "arrays": {key: [p.at, p.kind, p.shape, p.slot] for key, p in memory.arrays.items() if key in READ},
+        "contents": contents,
+        "size": memory.size,
+        "quantities": [
+            _quantity(case, key, column, texts)
+            for column, key in enumerate(built.quantities)
+            if _is_offered(case, key)
+        ],
+        "ranges": [[item.key, origins[item.key], item.unit] for item in built.ranges],
+        "parts": [_part(group) for group in case.names],
+        "units": parts.units[:, [0, 1, 3]].tolist(),
+        "classes": [
+            [ForceBand(calibration=one).name, one.sentence]
+            for one in (Calibration(**found.calibration) for found in model.classes_of(case))
+        ],
+    }
+
+
+def _compared(case: ImpactCase) -> tuple[str, float] | None:
+    """Return the design force of `Case.design_ratio`, if any."""
+    level = case.scene.impact.test_level if case.scene.impact else None
+    if level is None or not case.design_ratio(1.0):
+        return None
+    first = design_forces(level)[0]
+    return f"{first.name}, {level}", first.force
+
+
+def _part(group: str) -> str:
+    """Return what strikes, in words."""
+    from solver.impact import Strike
+
+    return Strike(group, 0.0, 0.0, 0.0, 0.0).part
+
+
+def _is_offered(case: ImpactCase, key: str) -> bool:
+    """Return True for a quantity that stands in the scene."""
+    return bool(key) and "@" not in key and isinstance(value_in(case.source.tables, key), int | float | str)
+
+
+def _quantity(case: ImpactCase, key: str, column: int, texts: _Texts) -> dict[str, Any]:
+    """Return a quantity with its bounds and slider, SI."""
+    quantity, value = quantity_at(key, case.source.tables), float(schema.value_at(case.scene, key))
+    assert quantity
+    low, high = SLIDERS.get(key.rpartition(".")[2], (0.5 * value, 2.0 * value or 1.0))
+    least, most = model.key_bounds(key, case)
+    table, *_, name = key.split(".")
+    return {
+        "key": key,
+        "column": column,
+        "value": value,
+        "unit": quantity.unit,
+        "meaning": texts.number(schema.MEANINGS.get(f"{table}.{name}", "").partition(";")[0]),
+        "least": least,
+        "most": most,
+        "low": min(low, value),
+        "high": max(high, value),
+        "allowed": [texts.number(quantity.allowed(unit)) for unit in DISPLAYED[quantity.unit]],
+    }

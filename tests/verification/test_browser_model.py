@@ -1,0 +1,139 @@
+"""Verify the kernels of a page, natively and as WebAssembly."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from web_module import Module
+
+import tailslap
+from tailslap.browser import model
+from tailslap.case.of_arguments import case_of_scene
+from tailslap.errors import InputError
+from tailslap.validation.calibration import calibrated_band
+
+pytestmark = pytest.mark.verification
+
+
+def planar(name):
+    try:
+        model.demand_planar(case_of_scene(name, None))
+    except InputError:
+        return False
+    return True
+
+
+def calls_of(name: str, changes: Any = None) -> Any:
+    """Return kernels and arguments of a scene."""
+    case: Any = case_of_scene(name, changes)
+    return model.model_of(case).calls
+
+
+SCENES = [name for name in tailslap.scenes() if planar(name)]
+
+FURTHER = [
+    ("impact-mash-tl4-sut", {"vehicle.mass": "2450 lb", "contact.hardening": 4e5, "contact.friction": 0.6}),
+    ("impact-mash-tl4-sut", {"vehicle.centre_of_mass": "4.5 m", "vehicle.yaw_inertia": 9e4, "impact.angle": "25 deg"}),
+    ("impact-mash-tl3-car", {"contact.unloading_stiffness": "5 MN/m", "contact.restitution": None}),
+    ("impact-mash-tl3-pickup", {"vehicle.mass": "5050 lb", "contact.plateau_force": None}),
+    ("impact-mash-tl5-tractor-van", {"trailer.0.length": "40 ft", "strip.1.at": "40 ft", "trailer.0.hitch": "6.7 m"}),
+    ("impact-mash-tl4-sut", {"strip": [
+        {"at": "0 m", "stiffness": "2 MN/m", "plateau": "350 kN"},
+        {"at": ["2.6 m", "10 m"], "inset": "0.1 m", "stiffness": "1 MN/m^2", "restitution": 0.1},
+        {"at": "10 m", "stiffness": "2 MN/m", "unloading_stiffness": "9 MN/m", "initial_force": "20 kN"},
+    ], "contact.stiffness": None, "contact.plateau_force": None}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "changes"), [
+    *((name, {}) for name in SCENES[::3]), *FURTHER[:-1], pytest.param(*FURTHER[-1], marks=pytest.mark.long),
+])  # fmt: skip
+def test_answers_are_those_of_the_functions_of_python(name, changes):
+    """Motion, forces and band are those of `tailslap rigid`."""
+    case: Any = case_of_scene(name, changes)
+    calls: Any = model.model_of(case).calls
+    kernel, arguments = calls["motion"]
+    reason, _, verdict, count = kernel(*arguments)
+    assert (reason, verdict) == (0, 0)
+    motion, answer = arguments[-1], case.answer
+    columns = answer.columns
+    assert motion.times[:count] == pytest.approx(columns["t"], rel=1e-15)
+    for name, curve in {"force_normal": 0, "force_normal_mean_10ms": 1, "force_normal_mean_50ms": 2}.items():
+        largest = np.abs(columns[name]).max()
+        np.testing.assert_allclose(motion.curves[curve, 1:count], columns[name][1:], atol=1e-9 * largest)
+    assert motion.peaks[2] == pytest.approx(answer.peaks["mean_50ms"], rel=1e-11)
+    kernel, arguments = calls["band"]
+    assert kernel(*arguments)[:3] == (0, 0, 0)
+    assert arguments[-1][1] == pytest.approx(calibrated_band(case).limits, rel=1e-9)
+
+
+def test_ends_of_ranges_are_those_of_the_command():
+    """Ranges follow values that change on the page."""
+    case: Any = case_of_scene("impact-mash-tl4-sut", None)
+    built: Any = model.model_of(case)
+    changes = {"vehicle.mass": 2240.0, "impact.speed": 12.0, "contact.friction": 0.6, "vehicle.length": 9.0}
+    kernel, arguments = built.calls["band"]
+    nominal, ranges = arguments[0], arguments[3]
+    for key, value in changes.items():
+        nominal[built.quantities.index(key), 0] = value
+    kernel(*arguments)
+    other: Any = case_of_scene("impact-mash-tl4-sut", changes)
+    expected = {item.key: (item.lower, item.upper) for item in model.planar_ranges.impact_ranges(other)}
+    assert np.isnan(ranges.ends[[item.key for item in built.ranges].index("contact.friction")]).all()
+    for item, ends in zip(built.ranges, ranges.ends, strict=True):
+        if item.key != "contact.friction":
+            assert ends == pytest.approx(expected[item.key], rel=1e-12), item.key
+
+
+@pytest.mark.parametrize(("key", "value", "reason"), [
+    ("contact.initial_force", 4e5, model.kernels.PLATEAU), ("contact.restitution", 0.8, model.kernels.LINE),
+    ("axle.1.position", 11.0, model.kernels.AXLE), ("axle.1.position", 4.0, model.kernels.AXLE_LOAD),
+    ("vehicle.centre_of_mass", 10.5, model.kernels.CENTRE), ("vehicle.yaw_inertia", 10.0, model.kernels.INERTIA),
+])  # fmt: skip
+def test_impossible_values_are_refused(key, value, reason):
+    case: Any = case_of_scene(
+        "impact-mash-tl4-sut", {"vehicle.centre_of_mass": 5.0, "vehicle.yaw_inertia": 9e4}
+    )
+    built: Any = model.model_of(case)
+    kernel, arguments = built.calls["motion"]
+    arguments[0][built.quantities.index(key), 0] = value
+    assert kernel(*arguments)[0] == reason
+
+
+@pytest.mark.parametrize("name", [
+    pytest.param(name, marks=() if "3-car" in name or "van" in name else pytest.mark.long) for name in SCENES
+])  # fmt: skip
+def test_a_motion_in_webassembly_has_the_same_numbers(name):
+    """They agree to 1e-9 of each maximum."""
+    calls = calls_of(name)
+    module = Module(calls)
+    kernel, arguments = calls["motion"]
+    module.call("motion")
+    count = kernel(*arguments)[3]
+    assert module.call("motion", 4).view(np.int64).tolist() == [0, 0, 0, count]
+    motion = arguments[-1]
+    for values, other in (
+        (motion.values, module["motion.motion.values"]),
+        (motion.curves.T, module["motion.motion.curves"].T),
+    ):
+        largest = np.abs(values[:count]).max(axis=0)
+        assert (np.abs(other[:count] - values[:count]).max(axis=0) <= 1e-9 * largest).all()
+
+
+@pytest.mark.parametrize("name", [
+    pytest.param(name, marks=() if "van" in name else pytest.mark.long) for name in SCENES
+])  # fmt: skip
+def test_a_band_in_webassembly_has_the_same_numbers(name):
+    """Its functions of mathematics are calls of Python here, and therefore slow."""
+    calls = calls_of(name)
+    module = Module(calls)
+    kernel, arguments = calls["band"]
+    kernel(*arguments)
+    module.call("band")
+    assert module["band.percentiles"][1] == pytest.approx(arguments[-1][1], rel=1e-9)
+
+
+@pytest.mark.parametrize("name", [name for name in tailslap.scenes() if name not in SCENES])
+def test_scenes_beyond_a_page_are_refused_with_the_command(name):
+    with pytest.raises(InputError, match=f"`tailslap rigid {name}` computes this scene"):
+        calls_of(name)
