@@ -94,6 +94,8 @@ def compare(tab: Any, names: list[str], count: int) -> None:
         elif answer[3]:
             largest = np.maximum(np.abs(rows).max(axis=0), 1e-300)
             motions.append(float((np.abs(np.array(other_rows) - rows).max(axis=0) / largest).max()))
+            if motions[-1] > 1e-9:
+                print(f"{name} {changes}: {motions[-1]:.1e} of a maximum")
             if band[0] == band[2] == 0:
                 bands.append(float(np.abs(np.array(others) / percentiles - 1.0).max()))
     print(f"{len(runs)} scenes, {differing} with another outcome")

@@ -192,8 +192,14 @@ function draw() {
   const grid = ticks(most * factor, 5).map((f) => `<path class="axis" d="M${left} ${y(f / factor)}H${width - 8}"/>`
     + `<text x="${left - 6}" y="${y(f / factor) + 4}" text-anchor="end">${f}</text>`);
   const marks = ticks(motion.end, Math.max(3, width / 110)).map((t) => `<text x="${x(t)}" y="${height - 10}" text-anchor="middle">${t}</text>`);
-  const lines = loads.filter(([, load]) => load <= most).map(([label, load]) => `<path class="load" d="M${left} ${y(load)}H${width - 8}"/>`
-    + `<text class="load-text" x="${width - 10}" y="${y(load) - 4}" text-anchor="end">${escaped(label)}</text>`);
+  let above = Infinity, side = 0;  // names of lines that are close stand side by side
+  const lines = loads.filter(([, load]) => load <= most).sort((one, other) => one[1] - other[1]).map(([label, load]) => {
+    side = above - y(load) < 14 ? (side + 1) % 3 : 0;
+    above = y(load);
+    const place = [width - 10, left + 4, (left + width) / 2][side], anchor = ["end", "start", "middle"][side];
+    return `<path class="load" d="M${left} ${y(load)}H${width - 8}"/>`
+      + `<text class="load-text" x="${place}" y="${y(load) - 4}" text-anchor="${anchor}">${escaped(label)}</text>`;
+  });
   const curves = motion.curves.map((curve, c) => `<path class="curve curve${c}" d="${path(curve, x, y, width)}"/>`);
   at("force").innerHTML = `<svg viewBox="0 0 ${width} ${height}" role="img" aria-label="Lateral force over time">${grid.join("")}${marks.join("")}`
     + `${curves.join("")}${lines.join("")}<text x="${width - 8}" y="${height - 10}" text-anchor="end">s</text></svg>`;

@@ -27,7 +27,7 @@ NEAR = 0.25
 """Step over the remaining time to the next jump of stiffness, at the tolerance."""
 
 ROUNDED = 1e-9
-"""Depth in front of a jump of stiffness [m] that is rounding, by which no step is chosen."""
+"""Depth beyond a jump of stiffness [m] that is rounding, by which no step is chosen."""
 
 LOADING, UPRIGHT = 2.0, 0.25
 """Phase of a step on loading over that on a line of unloading; the second where the line is vertical and force
@@ -162,7 +162,7 @@ def _parts_of_step(points, clock, i, part, parts_taken, last):
         slowing = (points[p, col.RATE] - rate) / last
         points[p, col.RATE] = rate
         pressed = (UPRIGHT if upright else LOADING) * phase / clock.rate[i]
-        if depth <= points[p, col.FOOT] - ROUNDED:
+        if depth <= points[p, col.FOOT] + ROUNDED:
             if rate > 0.0:
                 time_left = near * (points[p, col.FOOT] - depth) / rate
                 length = deepest - points[p, col.FOOT]
