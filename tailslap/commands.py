@@ -476,9 +476,7 @@ def new(name: str, as_json: bool) -> int:
 @click.argument(
     "name", metavar="[SCENE]", default="impact-mash-tl4-sut", shell_complete=options.complete_scene
 )
-@option(
-    "--out", type=click.Path(dir_okay=False, path_type=Path), default="explore.html", help="File of the page."
-)
+@option("--out", type=options.File(), default="explore.html", help="File of the page.")
 @click.option("--headless", is_flag=True, help="Write the page and open no browser.")
 @options.with_options(options.JSON, options.QUIET)
 def explore(name: str, out: Path, headless: bool, as_json: bool) -> int:

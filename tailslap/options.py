@@ -49,16 +49,24 @@ class Real(click.FloatRange):
 class Folder(click.Path):
     """Path of a result folder."""
 
+    what = "folder"
+
     def __init__(self) -> None:
-        super().__init__(readable=False, path_type=Path)
+        super().__init__(readable=False, dir_okay=self.what == "folder", path_type=Path)
 
     def convert(
         self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None
     ) -> Any:
         """Return the path, or fail for an empty one."""
         if isinstance(value, str) and not value.strip():
-            self.fail("the path is empty; allowed is the path of a folder.", param, ctx)
+            self.fail(f"the path is empty; allowed is the path of a {self.what}.", param, ctx)
         return super().convert(value, param, ctx)
+
+
+class File(Folder):
+    """Path of a file that is written."""
+
+    what = "file"
 
 
 class Text(click.ParamType):
