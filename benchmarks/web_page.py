@@ -85,19 +85,19 @@ def compare(tab: Any, names: list[str], count: int) -> None:
     for name, changes in runs:
         case: Any = cases[name]
         answer, rows, band, percentiles = native(model.model_of(case), changes)
-        other, other_rows, other_band, others = tab.evaluate(ANSWER, [name, [*changes.items()], STRIDE])
+        there, rows_there, band_there, ends_there = tab.evaluate(ANSWER, [name, [*changes.items()], STRIDE])
         if answer[2] == kernels.MORE_ROWS:
             continue  # Chromium has made room for them
-        if list(answer) != other[: len(answer)] or list(band) != other_band:
+        if list(answer) != there[: len(answer)] or list(band) != band_there:
             differing += 1
-            print(f"{name} {changes}: {answer} {band}, in Chromium {other} {other_band}")
+            print(f"{name} {changes}: {answer} {band}, in Chromium {there} {band_there}")
         elif answer[3]:
             largest = np.maximum(np.abs(rows).max(axis=0), 1e-300)
-            motions.append(float((np.abs(np.array(other_rows) - rows).max(axis=0) / largest).max()))
+            motions.append(float((np.abs(np.array(rows_there) - rows).max(axis=0) / largest).max()))
             if motions[-1] > 1e-9:
                 print(f"{name} {changes}: {motions[-1]:.1e} of a maximum")
             if band[0] == band[2] == 0:
-                bands.append(float(np.abs(np.array(others) / percentiles - 1.0).max()))
+                bands.append(float(np.abs(np.array(ends_there) / percentiles - 1.0).max()))
     print(f"{len(runs)} scenes, {differing} with another outcome")
     print(
         f"motions: {np.max(motions):.1e} of each maximum; percentiles of {len(bands)} bands: {np.max(bands):.1e}"
@@ -117,8 +117,10 @@ def time_both(tab: Any, name: str) -> None:
             spent.append(1e3 * (time.perf_counter() - began))
         here.append(min(spent))
     there = tab.evaluate(TIMES, [name, 15])
-    for kernel, one, other in zip(built.calls, here, there, strict=True):
-        print(f"{name} {kernel}: native {one:.1f} ms, Chromium {other:.1f} ms, {other / one:.1f} times")
+    for kernel, here_ms, there_ms in zip(built.calls, here, there, strict=True):
+        print(
+            f"{name} {kernel}: native {here_ms:.1f} ms, Chromium {there_ms:.1f} ms, {there_ms / here_ms:.1f} times"
+        )
 
 
 def main() -> None:

@@ -96,17 +96,17 @@ def solve_sample(case, outcome, i, rows):
         clock.reached[i], outcome.error[i], outcome.verdict[i] = end, np.inf, PASSED
         return
     other, compared, no_rows = outcome.other_state, outcome.other_strikes, rows[rows.shape[0] :]
-    other_end, others = _run(case, outcome, i, aimed, 2.0 * aimed, other, no_rows, compared)
+    other_end, compared_count = _run(case, outcome, i, aimed, 2.0 * aimed, other, no_rows, compared)
     error = _error(train, choice, outcome, i, end, other_end, turning)
-    counted = max(counted, others)
+    counted = max(counted, compared_count)
     while (
         np.isnan(choice.step) and error > choice.tolerance * aimed / step and 2.0 * end <= choice.most * step
     ):
         _copy(state, other)
         _copy(strikes, compared)
         other_end = end
-        end, others = _run(case, outcome, i, aimed, 0.5 * step, state, rows, strikes)
-        counted = max(counted, others)
+        end, compared_count = _run(case, outcome, i, aimed, 0.5 * step, state, rows, strikes)
+        counted = max(counted, compared_count)
         if np.isnan(end):  # steps did not suffice: the motion before is the result
             end, _ = _run(case, outcome, i, aimed, step, state, rows, strikes)
             break

@@ -237,13 +237,13 @@ class RigidStages(case.Case):
         interval = f"{band.interval}; " if band.interval else ""
         mean = self.mean_force(peak)
         whole = f"impact-{self.scene.name}"
-        other = ""
+        hint = ""
         if whole in shipped_scenes() and not self.changes:
-            other = f" Whole impact of this vehicle, with crush and tyres: `tailslap rigid {whole}`."
+            hint = f" Whole impact of this vehicle, with crush and tyres: `tailslap rigid {whole}`."
         first = (
             f"{name}: {force(peak)} ({interval}{pulse}); 50 ms mean {force(mean)}{self.design_ratio(mean)}."
         )
-        return f"{first}{band.decision}{other}"
+        return f"{first}{band.decision}{hint}"
 
     def headline(self, band: ForceBand = case.NO_BAND) -> Headline:
         """Return the peak force of the tail-slap with the set-up."""
