@@ -260,7 +260,7 @@ def test_a_run_names_the_companion_and_has_occupant_values_in_space(tmp_path):
     assert "Occupant risk, planar" not in page
     for words in (
         "Strikes, companion in the plane",
-        "FE and rigid: companion in the plane: the same strips without heights.",
+        "Companion in the plane: the same strips without heights",
         "above the wall omitted",
         "Companion in the plane, 50",
         "For the design", "In space, largest moment", "Impact severity", "Strip of the body",

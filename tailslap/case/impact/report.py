@@ -45,12 +45,10 @@ FORCE = (
     Column("along", "Along the wall, FE", "N", form="#.3g"),
 )
 FORCE_IN_SPACE = (
-    Column("lateral", "Lateral, in space", "N", form="#.4g", style="strong"),
-    *columns(
-        {"longitudinal": "Along the wall, in space", "vertical": "Down, in space"}, unit="N", form="#.3g"
-    ),
+    FORCE[0],
+    Column("lateral", "Lateral", "N", form="#.4g", style="strong"),
+    *columns({"longitudinal": "Along the wall", "vertical": "Down"}, unit="N", form="#.3g"),
 )
-"""Further columns of a scene with [body]."""
 
 FORCE_NOTE = (
     "Total of all contacts; each value is the largest of its own component. Design loads compare with the 50 ms mean: "
@@ -138,32 +136,43 @@ class ImpactReport(FeReport):
         levels = {row["name"]: row["force"] for row in design.rows if row["source"]}
         loops, along = figures.contact_figures(outcome)
         positions = figures.position_strip(outcome.fe, case.vehicles)
-        plane = ", companion in the plane" if case.space else ""
-        return [
-            Section("Force on the wall", tables=[force_table(outcome)]),
-            _design_section(case, design),
-            Section(f"Strikes{plane}", tables=[_strikes(outcome), errors_table(outcome)]),
+        is_companion = bool(case.space)
+        plane, forces = ", companion in the plane" if is_companion else "", force_table(outcome)
+        in_plane = [
+            Section(
+                f"Strikes{plane}",
+                tables=[_strikes(outcome), errors_table(outcome), *([forces] if is_companion else [])],
+                is_folded=is_companion,
+            ),
             Section(
                 f"Motion and force{plane}",
                 figures=[positions, figures.force_figure(outcome, levels)],
                 layout="tall",
+                is_folded=is_companion,
             ),
-            *([section(case.space)] if case.space else []),
             Section(
                 f"Units and hinges of the train{plane}",
                 figures=figures.train_figures(outcome),
                 tables=[hinges_table(outcome)],
                 layout="wide",
+                is_folded=is_companion,
             ),
             Section(
                 f"Energy and crush{plane}",
                 figures=[figures.energy_figure(outcome), *loops, *along],
                 layout="wide",
+                is_folded=is_companion,
             ),
             Section("Deformable wall", tables=_wall(outcome)),
             Section(
                 f"The second strike's duration{plane}", tables=[durations_table(outcome.fe)], is_folded=True
             ),
+        ]
+        return [
+            _force_section(case, forces),
+            _design_section(case, design),
+            *([section(case.space)] if case.space else []),
+            *in_plane,
             Section("Comparison with the paper's method", tables=_paper(outcome), is_folded=True),
             Section(
                 f"Occupant risk, {'in space' if case.space else 'planar'}"
@@ -294,25 +303,21 @@ def _strikes(outcome: run.ImpactOutcome) -> Table:
 
 
 def force_table(outcome: run.ImpactOutcome) -> Table:
-    """Return the largest force on the wall by filter and component."""
+    """Return the largest force on the wall by filter and component, in the plane."""
     fe, rigid, along = outcome.fe.peaks, outcome.rigid.peaks, filters.force_peaks(outcome.fe.longitudinal)
-    space = outcome.fe_plan.case.space
-    in_space = {row["name"]: row for row in space.force_rows} if space else {}
-    columns = (*FORCE, *FORCE_IN_SPACE) if space else FORCE
-    missing = dict.fromkeys(column.key for column in FORCE_IN_SPACE)
     rows = [
-        missing
-        | {"curve": label, "fe": fe[k], "rigid": rigid[k], "along": along[k]}
-        | in_space.get(label, {})
+        {"curve": label, "fe": fe[k], "rigid": rigid[k], "along": along[k]}
         for k, label in filters.LABELS.items()
     ]
-    inertial = outcome.fe_plan.case.inertial_sentence
-    notes = (
-        FORCE_NOTE,
-        *([f"FE and rigid: {COMPANION}."] if space else []),
-        *([inertial] if inertial else []),
-    )
-    return Table(columns, rows, notes=notes)
+    return Table(FORCE, rows)
+
+
+def _force_section(case: RigidImpact, table: Table) -> Section:
+    """Return the force of the vehicle's motion, for a planar one of a given table."""
+    if case.space:
+        table = Table(FORCE_IN_SPACE, [row | {"curve": row["name"]} for row in case.space.force_rows])
+    notes = FORCE_NOTE, *filter(None, [case.inertial_sentence])
+    return Section("Force on the wall", tables=[replace(table, notes=notes)])
 
 
 def durations_table(answer: ImpactAnswer) -> Table:
