@@ -35,6 +35,8 @@ class Look:
         See `state`.
     interval : float
         Time between rows [s].
+    units : int
+        Number of units.
     """
 
     outcome: int
@@ -45,6 +47,7 @@ class Look:
     moment: float
     rows: Array
     interval: float
+    units: int
 
     @cached_property
     def strikes(self) -> tuple[Array, Array]:
@@ -78,6 +81,15 @@ class Look:
             abs(other.height - place) / max(place, height),
             abs(other.moment - self.moment) / max(self.moment, moment),
         )
+
+    def parting(self, other: "Look") -> float:
+        """Return the largest change of a unit's roll up to the earlier end [rad].
+
+        Near balance, motions part by far more than their largest rolls differ.
+        """
+        both = min(len(self.rows), len(other.rows))
+        rolls = [look.rows[:both, state.rolls(self.units)] for look in (self, other)]
+        return float(np.abs(rolls[0] - rolls[1]).max(initial=0.0))
 
     def spread(self, error: float) -> float:
         """Return the largest change of the height among equal means.
@@ -113,4 +125,5 @@ def look_at(answers: Any, rows: Array, interval: float) -> Look:
     mean, height, time, moment = (
         float(values[0]) for values in (answers.mean_50ms, answers.height, answers.mean_time, answers.moment)
     )
-    return Look(outcome, roll, mean, height, time, moment, rows[: int(answers.rows[0])], interval)
+    units = answers.unit_rolls.shape[1]
+    return Look(outcome, roll, mean, height, time, moment, rows[: int(answers.rows[0])], interval, units)

@@ -2,7 +2,7 @@
 
 Steps and points of the strips are halved apart from each other. As the change by half of either may be small by
 chance, a further motion has other steps and points than halves. An outcome is decided where all these motions, and
-those with half the steps on walls a little lower and higher, have the same.
+those with half the steps on walls a little lower and higher, have the same, and no two of them part near balance.
 """
 
 import math
@@ -34,7 +34,10 @@ from solver.space.strips import joined
 from solver.space.vehicle import SpaceVehicle, SpaceWall, fleet_of
 
 UNDECIDED = "undecided"
-"""Outcome that changes with step, points, or the height of the wall by `MARGIN`."""
+"""Outcome that changes with step, points, or the height of the wall by `MARGIN`, or of a motion near balance."""
+
+BALANCE = 0.25 * math.pi
+"""Angle from balance to a roll of 90 deg, about [rad]: motions whose rolls part by it over `SAFETY` may end apart."""
 
 INTERVAL, PHASE = 1e-3, 0.2
 """Time between rows [s], and first step times the rate of the fastest oscillation [rad]."""
@@ -188,7 +191,7 @@ def solve_space(
     def look(*of: float) -> Look:
         return solved(*of)[2]
 
-    strip_error, other_error, outcomes = 0.0, 0.0, set[int]()
+    strip_error, other_error, parting, outcomes = 0.0, 0.0, 0.0, set[int]()
     if step:
         step_error = SAFETY * max(look(parts, points).changes(look(max(parts // 2, 1), points)))
     else:
@@ -201,6 +204,7 @@ def solve_space(
         of_mean = SAFETY * max(one.changes(motion)[1] for motion in (further, *coarse))
         other_error = max(SAFETY * max(one.changes(further)), one.spread(of_mean))
         outcomes |= {motion.outcome for motion in (further, *coarse, *walls)}
+        parting = SAFETY * max(one.parting(motion) for motion in (further, *coarse))
         step_error = max(step_error, LEAST_ERROR - strip_error)
     error = max(step_error + strip_error, other_error)
     table, names = rows[: int(answers.rows[0])], column_names(fleet.units.shape[1], fleet.axles.shape[1])
@@ -208,7 +212,7 @@ def solve_space(
     instants: Array = interval * np.arange(len(table), dtype=np.float64)
     history = {"t": instants, **dict(zip(names, table.T, strict=False))}
     return SpaceMotion(
-        UNDECIDED if outcomes - {one.outcome} else OUTCOMES[one.outcome],
+        UNDECIDED if outcomes - {one.outcome} or parting > BALANCE else OUTCOMES[one.outcome],
         SpaceAnswers(*(values[0] for values in answers)),
         history, strikes_of(instants, pushes),
         interval / parts, points, step_error, strip_error, other_error, one.heights(error),

@@ -191,3 +191,9 @@ def workspace(units: int, axles: int, strips: int, points: int, facets: int, row
 def row_columns(units: int, axles: int, strips: int) -> int:
     """Return the number of columns of a row."""
     return len(FORCES + WORKS + ENERGIES) + len(POSE) * units + len(WHEELS) * axles + 2 * strips
+
+
+def rolls(units: int) -> slice:
+    """Return the columns of a row with the rolls of all units."""
+    first = len(FORCES + WORKS + ENERGIES)
+    return slice(first + POSE.index("roll"), first + len(POSE) * units, len(POSE))
