@@ -83,7 +83,7 @@ class Look:
         )
 
     def parting(self, other: "Look") -> float:
-        """Return the largest change of a unit's roll up to the earlier end [rad].
+        """Return the largest change of a roll until either ends [rad].
 
         Near balance, motions part by far more than their largest rolls differ.
         """

@@ -209,9 +209,9 @@ def test_outcome_within_two_millimetres_of_the_boundary_is_undecided():
 
 @pytest.mark.parametrize(("height", "outcome"), [(0.954, UNDECIDED), (0.962, "on its side")])
 def test_vehicle_that_dwells_near_balance_is_undecided(height, outcome):
-    """It stays at 42 deg of roll for 2 s on a wall on which four points of a strip tip it and sixteen do not.
+    """It stays at 42 deg of roll for 2 s.
 
-    Before, it was "on its side": step, points and walls 2 mm away agree.
+    Four points of a strip tip it, sixteen do not. Before, it was "on its side": step, points and walls 2 mm away agree.
     """
     unit = SpaceUnit(7.626, 2.3, 11438.0, 3.678, 1.3267, 19061.0, 54603.0, 60479.0)
     common = {"track": 1.9182, "radius": 0.5, "spacing": 1.08, "damping_ratio": 0.142, "roll_centre": 0.5294}

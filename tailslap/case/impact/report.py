@@ -303,7 +303,7 @@ def _strikes(outcome: run.ImpactOutcome) -> Table:
 
 
 def force_table(outcome: run.ImpactOutcome) -> Table:
-    """Return the largest force on the wall by filter and component, in the plane."""
+    """Return the largest forces in the plane by filter and component."""
     fe, rigid, along = outcome.fe.peaks, outcome.rigid.peaks, filters.force_peaks(outcome.fe.longitudinal)
     rows = [
         {"curve": label, "fe": fe[k], "rigid": rigid[k], "along": along[k]}
@@ -313,7 +313,7 @@ def force_table(outcome: run.ImpactOutcome) -> Table:
 
 
 def _force_section(case: RigidImpact, table: Table) -> Section:
-    """Return the force of the vehicle's motion, for a planar one of a given table."""
+    """Return the section of the wall force, in space or planar."""
     if case.space:
         table = Table(FORCE_IN_SPACE, [row | {"curve": row["name"]} for row in case.space.force_rows])
     notes = FORCE_NOTE, *filter(None, [case.inertial_sentence])
