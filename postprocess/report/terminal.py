@@ -62,11 +62,11 @@ def place_line(label: str, place: object) -> str:
 
 
 def labelled(text: str, indent: int) -> list[str]:
-    """Wrap a text beside its label.
+    """Wrap a text beside its label, which blanks fill up.
 
     A line without a label is indented as it begins.
     """
-    if text[indent - 1 : indent] != " ":
+    if text[indent - 2 : indent] != "  ":
         indent = len(text) - len(text.lstrip())
     return wrapped(text[indent:].strip(), text[:indent]) or [text]
 

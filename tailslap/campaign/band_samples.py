@@ -33,8 +33,11 @@ WORDS = {
     "duration": "the duration of the strike",
     "centre_of_mass": "the place of the centre of mass", "centre_height": "the height of the centre of mass",
     "angle": "the angle", "mass": "the mass", "yaw_inertia": "the yaw inertia", "friction": "friction",
+    "roll_inertia": "the roll inertia", "spring": "the springs of the axles", "spacing": "the spacing of the springs",
+    "tyre": "the stiffness of the tyres", "cornering": "the cornering of the tyres",
+    "axle.*.friction": "the friction of the tyres",
 }  # fmt: skip
-"""Inputs in words by the last part of their keys."""
+"""Inputs in words by their keys or the last part of these."""
 FIRST = 8
 """Impacts in the plane before all others: a law that requires too many steps is mostly refused among them."""
 
@@ -169,7 +172,8 @@ def _band(ranges: tuple[Range, ...], inputs: Columns, columns: Columns) -> Force
 
 def in_words(item: Range) -> str:
     """Return an input with its range in words."""
-    name = WORDS.get(item.key.partition("@")[0].rpartition(".")[2], f"`{item.key}`")
+    last = WORDS.get(item.key.partition("@")[0].rpartition(".")[2], f"`{item.key}`")
+    name = WORDS.get(item.key, last)
     span = item.in_words()[0]
     if "*" in item.key:
         span = f"{item.lower:.2g} to {item.upper:.2g} times that of the scene"

@@ -257,8 +257,8 @@ class Case(ABC):
         if level is None or level not in MASH:
             return ""
         first = design_forces(level)[0]
-        span = " to ".join(f"{end / first.force:.2g}" for end in ends)
-        multiple = f"{mean / first.force:.2g}{f' ({span})' if span else ''}"
+        value, *span = (f"{of / first.force:#.2g}".rstrip(".") for of in (mean, *ends))
+        multiple = f"{value} ({' to '.join(span)})" if span else value
         return f", {multiple} times {first.name}, {level} ({force(first.force)})"
 
     @property

@@ -195,11 +195,11 @@ class ForceBand:
             slow, fast = self.speeds
             parts.append(f"from {slow} to {fast} it grows {self.growth:.2g} times")
         text = "; ".join(parts).replace(") of the variance", " of the variance)")
-        return f" {text[0].upper()}{text[1:]}." if text else ""
+        return f"{text[0].upper()}{text[1:]}. " if text else ""
 
     @property
     def sentence(self) -> str:
-        """Origin of the band."""
+        """What decides the force, and the origin of the band."""
         if not self.percentiles:
             return f"Without a band of the force: {self.refusal}." if self.refusal else ""
         assumed = sum("assumed" in origin for *_, origin in self.ranges.values())
@@ -213,7 +213,7 @@ class ForceBand:
             f"{self.unsolved} further vehicles omitted, which have no solution" if self.unsolved else "",
             f"the first of them: {self.reason}" if self.reason else "",
         ]
-        return f"{'; '.join(filter(None, parts))}."
+        return f"{self.decision}{'; '.join(filter(None, parts))}."
 
     @property
     def _outcomes(self) -> str:

@@ -164,6 +164,7 @@ def test_labels_hang(monkeypatch):
     assert all(line.startswith((" " * 13, "steps")) for line in lines)
     assert labelled("  no label here at all" * 2, 13) == ["  no label here at all  no label here at", "  all"]
     assert labelled("", 13) == [""]
+    assert labelled("Strike 10 is longer than a line of forty columns", 10)[1].startswith("columns")
     assert max(map(len, lines)) <= 40
 
 

@@ -228,7 +228,7 @@ class RigidStages(case.Case):
         return parts
 
     def force_sentence(self, peak: float, reliable: bool = True, band: ForceBand = case.NO_BAND) -> str:
-        """Return sentences on a peak force and what decides it.
+        """Return sentences on a peak force.
 
         peak: of the tail-slap [N], beside its 50 ms mean.
         """
@@ -243,7 +243,7 @@ class RigidStages(case.Case):
         first = (
             f"{name}: {force(peak)} ({interval}{pulse}); 50 ms mean {force(mean)}{self.design_ratio(mean)}."
         )
-        return f"{first}{band.decision}{hint}"
+        return f"{first}{hint}"
 
     def headline(self, band: ForceBand = case.NO_BAND) -> Headline:
         """Return the peak force of the tail-slap with the set-up."""

@@ -14,6 +14,7 @@ import numpy as np
 from postprocess.figures import space as drawings
 from postprocess.report.tables import Column, columns
 from postprocess.units import force, measure
+from solver.impact.strips import names_of_places
 from tailslap.case.impact import space_figures
 
 if TYPE_CHECKING:
@@ -32,13 +33,13 @@ LACKING = "wall.depth", "width of the road"
 """What the working width of the wall and the exit box need and no scene with [body] has."""
 
 OVER = (
-    *columns({"strip": "Strip of the body", "unit": "Unit"}, form=str),
+    *columns({"name": "Strip of the body", "key": "Key"}, form=str),
     *columns({"intrusion": "Intrusion", "height": "At a height of"}, unit="m", form=".2f"),
     Column("t", "At", "s", form=".2f"),
 )
 MEANING = (
     "Intrusion: farthest point of a strip above the wall's top behind the upper edge of its face (zone of intrusion, "
-    "NCHRP Research Report 1018). Parts of the vehicle above the highest strip intrude more."
+    "NCHRP Research Report 1018). Parts without a strip, as a cab, are not seen."
 )
 
 
@@ -54,12 +55,26 @@ class ExitBox(NamedTuple):
     reached: float
 
 
+def strip_names(vehicle: SpaceVehicle) -> list[str]:
+    """Return the strips' names by their place and height."""
+    lengths, names = [unit.length for unit in vehicle.units], []
+    for strip in vehicle.strips:
+        alone = [[strip.at] if unit == strip.unit else [] for unit in range(len(lengths))]
+        low, high = (f"{float(end):.4g}" for end in strip.height)
+        names.append(
+            f"{names_of_places(alone, lengths)[0]}, {low if low == high else f'{low} to {high}'} m high"
+        )
+    return names
+
+
 def intrusions(vehicle: SpaceVehicle, wall: SpaceWall, motion: SpaceMotion) -> list[dict[str, Any]]:
     """Return the largest intrusion of strips of the body.
 
-    Those over the wall have strip, unit, intrusion behind the upper edge of the face and height [m], and instant [s].
+    Those over the wall have strip, its name, unit, intrusion behind the upper edge of the face and height [m], and
+    instant [s].
     """
-    drawn, history, rows = space_figures.geometry(vehicle, wall), motion.history, []
+    drawn, history, rows = space_figures.geometry(vehicle, wall), motion.history, list[dict[str, Any]]()
+    names = strip_names(vehicle)
     edge, top = drawn.face[-1]
     for number, strip in enumerate(drawn.strips):
         if strip.axle >= 0:
@@ -73,7 +88,7 @@ def intrusions(vehicle: SpaceVehicle, wall: SpaceWall, motion: SpaceMotion) -> l
         row, end = np.unravel_index(int(np.argmax(beyond)), beyond.shape)
         if beyond[row, end] > 0.0:
             rows.append({
-                "strip": number, "unit": strip.unit + 1, "intrusion": float(beyond[row, end]),
+                "strip": number, "name": names[number], "unit": strip.unit + 1, "intrusion": float(beyond[row, end]),
                 "height": float(places[row, end, 2]), "t": float(history["t"][row]),
             })  # fmt: skip
     return rows
@@ -127,7 +142,9 @@ def sentences(values: Mapping[str, Any]) -> tuple[str, ...]:
     largest = max(over, key=lambda row: row["intrusion"], default=None)
     reach = "none over the wall"
     if largest:
-        reach = f"{metres(largest['intrusion'])} at a height of {metres(largest['height'])} (strip.{largest['strip']})"
+        reach = (
+            f"{metres(largest['intrusion'])} at a height of {metres(largest['height'])} ({largest['name']})"
+        )
     inside = {True: "stays within", False: "leaves"}
     stays = inside.get(
         box["inside"], "does not remain upright or leans on the wall to the end, and is not judged by"

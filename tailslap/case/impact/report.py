@@ -338,7 +338,7 @@ def _design_section(case: RigidImpact, loads: Table) -> Section:
     """Return what the design of a wall takes from the impact."""
     numbers = case.space.numbers() if case.space else None
     over = numbers["intrusion"] if numbers else []
-    rows = [row | {"strip": f"strip.{row['strip']}"} for row in over]
+    rows = [row | {"key": f"strip.{row['strip']}"} for row in over]
     severity = f"Impact severity m (v sin(theta))^2/2: {measure(case.impact_severity, 'J', '.4g')}."
     return Section(
         "For the design",

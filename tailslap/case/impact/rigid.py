@@ -410,7 +410,7 @@ class RigidImpact(Case):
     ) -> str:
         """Return sentences on the largest 50 ms mean and the roll.
 
-        With a band its median comes first, and what decides it; the force of the scene follows.
+        With a band its median comes first; the force of the scene follows.
         """
         if not self.space and not answer.strikes:
             return "The vehicle does not strike the wall."
@@ -426,7 +426,7 @@ class RigidImpact(Case):
             return " ".join([f"{name}: {where}{ratio}.", *further])
         lower, median, upper = band.limits
         ratio = self.design_ratio(median, (lower, upper))
-        first = f"{name}: {band.interval}{ratio}.{band.decision} {OF_SCENE}{where}."
+        first = f"{name}: {band.interval}{ratio}. {OF_SCENE}{where}."
         return " ".join([first, *further])
 
     def _scene_force(self, answer: answers.ImpactAnswer) -> tuple[float, str]:
