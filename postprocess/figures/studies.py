@@ -23,8 +23,6 @@ INDICES = (("first_order", "alone", 0.19, "fe"), ("total", "with interactions", 
 # Label and colour of each strike.
 STRIKES = {1: ("first strike", "fe"), 2: ("second strike", "rigid")}
 
-ORIGINS = {False: ("measured", "green"), True: ("projected by the authors", "violet")}
-
 COLOURS = ("fe", "rigid", "green", "difference", "violet", "soft")
 """Colours of lines in order."""
 
@@ -35,15 +33,13 @@ PRECISION_HEIGHT = 460.0
 class BandBar(NamedTuple):
     """Spread of a quantity over samples.
 
-    ends: 5, 50 and 95 %; nominal: value of the scene; dots: measured values with their row and whether they were
-    projected.
+    ends: 5, 50 and 95 %; nominal: value of the scene.
     """
 
     label: str
     strike: int
     ends: tuple[float, float, float]
     nominal: float
-    dots: Sequence[tuple[str, float, bool]] = ()
 
 
 class RatioBar(NamedTuple):
@@ -120,9 +116,9 @@ def draw_sensitivity(inputs: Sequence[Mapping[str, Any]], of: str = "the peak fo
 def draw_bands(bars: Sequence[BandBar]) -> chart.Chart:
     """Draw the spread of peaks as bars from 5 to 95 %.
 
-    With their medians, the values of the scene, and measured forces as dots.
+    With their medians and the values of the scene.
     """
-    caption = "Peak lateral force: 5 to 95 %, median (stroke) and value of the scene (dot); forces of the paper's rows"
+    caption = "Peak lateral force: 5 to 95 %, median (stroke) and value of the scene (dot)"
     labels, marks = [bar.label for bar in bars], list[Mark]()
     placed = list(zip(_heights(labels), bars, strict=True))
     for strike, (name, colour) in STRIKES.items():
@@ -136,14 +132,6 @@ def draw_bands(bars: Sequence[BandBar]) -> chart.Chart:
             name, colour, rows, [bar.ends for bar in chosen], texts, [bar.label for bar in chosen]
         )
         marks.append(Line("", np.array([bar.nominal for bar in chosen]), rows, colour, 0.0, dots=3.6))
-    for projected, (name, colour) in ORIGINS.items():
-        dots = [
-            (force, row - 0.3, letter)
-            for row, bar in placed
-            for letter, force, was_projected in bar.dots
-            if was_projected == projected
-        ]
-        marks += _dots(name, colour, sorted(dots, key=lambda dot: dot[0])) if dots else []
     plot = _row_plot(labels, marks, 46.0)
     return chart.Chart("bands", caption, (plot,), chart.Axis("peak lateral force [kN]"), width=chart.FULL)
 
@@ -185,20 +173,6 @@ def _bands(
         Boxes(name, np.stack([low, high], axis=-1), _across(rows), colour, texts, at, 0.4),
         Line("", np.repeat(middle, 3), strokes.ravel(), colour, 2.2),
     ]
-
-
-def _dots(name: str, colour: str, dots: Sequence[tuple[float, float, str]]) -> list[Mark]:
-    """Return dots below the bars, with the letters of their rows.
-
-    Letters stand above and below in turns.
-    """
-    x, y = (np.array(values) for values in list(zip(*dots, strict=True))[:2])
-    texts, at = [measure(force, "kN", ".0f") for force, _, _ in dots], [f"row {row}" for _, _, row in dots]
-    letters = [
-        Words(letter, force, row, (5.0, -1.0 if number % 2 else 9.0), colour=colour)
-        for number, (force, row, letter) in enumerate(dots)
-    ]
-    return [Line(name, x, y, colour, 0.0, dots=3.4, values=texts, at=at), *letters]
 
 
 class Series(NamedTuple):

@@ -30,7 +30,6 @@ from tailslap.campaign.input_ranges import Range
 from tailslap.campaign.sampling import band_of, sampled, sobol_indices, sobol_points
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact import case, strike_columns
-from tailslap.replication.paper_values import ForceRow
 from tailslap.scene.read import read_scene
 from tailslap.storage.manifest import NAME as MANIFEST
 from tailslap.studies.uncertainty import uncertainty_study
@@ -704,34 +703,6 @@ def test_indices_of_both_strikes_and_order_of_the_bands(impacts):
         assert low < impacts.nominal[name] < high
 
 
-def test_validation_uncertainty_by_hand():
-    """u_val^2 = 3^2 + 4^2 without u_D.
-
-    E = 13 requires u_D = 12.
-    """
-    band = replace(band_of(np.array([90.0, 100.0, 110.0])), standard_deviation=4.0)
-    rows = (ForceRow("x", "made up", 0.1, force, (0.0, 0.0), (0.0, 0.0)) for force in (104.0, 87.0))
-    near, far = (uncertainty_study.paper_row(row, "50 ms mean", 100.0, 3.0, band) for row in rows)
-    of_near = [near[name] for name in ("error", "within", "u_d_needed", "share_below")]
-    assert (of_near, (far["error"], far["within"])) == ([-4.0, True, 0.0, 2 / 3], (13.0, False))
-    assert (far["u_d_needed"], near["verdict"]) == (pytest.approx(12.0, rel=1e-14), "within u_val")
-    assert "for u_D of at least" in far["verdict"]
-
-
-def test_rows_are_the_papers_and_row_b_has_its_own_speed_and_angle(impacts):
-    assert [row["row"] for row in impacts.paper_rows] == [*"abcdef"] * 2
-    by_row = {row["row"]: row for row in impacts.paper_rows[:6]}
-    assert [by_row[name]["measured"] for name in "abcdef"] == [680e3, 595e3, 415e3, 351e3, 360e3, 375e3]
-    assert len({by_row[name]["simulated"] for name in "acdef"}) == 1
-    assert by_row["b"]["simulated"] > by_row["a"]["simulated"]
-    assert "57.4 mph" in by_row["b"]["known"]
-
-
-def test_another_test_level_has_no_rows():
-    plan = impact_of(name="impact-mash-tl3-car")
-    assert uncertainty_study.spread(plan, planar_ranges.impact_ranges(plan), 288).paper_rows == ()
-
-
 def test_contacts_that_the_study_cannot_vary_are_refused(refused):
     changes = {"contact.stiffness": None, "contact.restitution": None}
     assert refused(planar_ranges.demand_crush, impact_of().varied(changes)) == "contact.stiffness"
@@ -760,7 +731,6 @@ def test_page_files_and_terminal_of_a_whole_impact(impacts, tmp_path):
     assert page.count("<svg") - page.count("<template>") == len(drawn) == 3
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["own"] == pytest.approx(dict(impacts.nominal))
-    assert {row["u_d"] for row in summary["rows"]} == {None}
     with (tmp_path / "samples.csv").open() as file:
         assert len(list(csv.DictReader(file))) == 2 * impacts.rows
     assert max(map(len, printed(study_report.terminal).splitlines())) <= 96

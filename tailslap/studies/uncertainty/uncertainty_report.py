@@ -26,7 +26,7 @@ from tailslap.studies.sobol_tables import (
     main_source,
     with_intervals,
 )
-from tailslap.studies.uncertainty.uncertainty_study import LEVEL, TABLES, Spread
+from tailslap.studies.uncertainty.uncertainty_study import Spread
 
 BINS = 60
 FILES = "summary.json (results in SI); samples.csv (samples)"
@@ -55,28 +55,6 @@ BANDS = (
 SHOWN = {"mean_50ms": "50 ms", "impulse": "impulse", "duration": "duration"}
 """Quantities whose indices are displayed."""
 
-ROWS = (
-    *columns({"label": "Row", "kind": "Quantity"}),
-    *columns({"measured": "D", "simulated": "S"}, unit="N", form=".0f", style="strong"),
-    *columns({"band.0": "5 %", "band.2": "95 %"}, unit="N", form=".0f", group="Band of S"),
-    Column("error", "E", "N", form="+.0f"),
-)
-UNCERTAINTY = (
-    Column("share_below", "Below D", form=".2f"),
-    Column("u_num", "u_num", "N", form=".2g"),
-    Column("u_input", "u_input", "N", form=".0f"),
-)
-VERDICT = Column("verdict", "|E| and u_val")
-ROW_NOTES = (
-    "D: force of Tables 4 and 5 of the paper, from crash tests or finite elements; * projected by the authors as 1.33 "
-    "times the 50 ms mean. S: second strike of the rigid vehicle. E = S - D. As in ASME V&V 20, u_val^2 = u_num^2 + "
-    "u_input^2 + u_D^2. u_num: time-step error. u_input: standard deviation of the samples. u_D: unknown measurement "
-    "uncertainty; the last column states the u_D at which |E| = u_val.",
-    "Speed and angle are those of the scene, except in row b (57.4 mph, 15.4 deg); mass, length, crush and restitution "
-    "of the tested vehicles are unknown. The barriers of rows a and b are not plain vertical walls. Neither ranges nor "
-    "results are fitted to these rows.",
-)
-NOT_TL_4 = f"Tables 4 and 5 of the paper contain {LEVEL} only; impact.test_level of this scene differs."
 INDEX_NOTE = (
     "Total Sobol indices: fraction of the variance that remains if all other inputs are known, with 95 % intervals. "
     "Dashes: not determined."
@@ -225,8 +203,6 @@ def impact_report(result: Spread) -> Report:
     """Return the report on both strikes of a whole impact."""
     inputs, sentences, levels = result.sources_of(LARGEST), _impact_answer(result), _levels(result)
     sensitivity = [figures.draw_sensitivity(inputs, "the largest 50 ms mean")] if inputs else []
-    compared = [row | {"label": row["row"] + "*" * row["projected"]} for row in result.paper_rows]
-    rows = Table((*ROWS, *UNCERTAINTY, VERDICT), compared, "", ROW_NOTES)
     single = int(np.count_nonzero(np.isnan(result.samples["strike_2.impulse"])))
     sections = (
         Section("Bands", figures=[_band_figure(result)], tables=[_bands_table(result)]),
@@ -234,7 +210,6 @@ def impact_report(result: Spread) -> Report:
         Section("Inputs and Sobol indices", tables=[_inputs_table(result)]),
         Section("Sensitivity of the largest 50 ms mean", figures=sensitivity, layout="half"),
         Section("Method", "", (), (), _impact_sentences(result, single), "half"),
-        Section("Comparison with Tables 4 and 5 of the paper", "" if compared else NOT_TL_4, tables=[rows]),
     )
     kinds, numbers = ("first_order", "first_order_interval", "total", "total_interval"), {}
     for name in result.tables:
@@ -245,7 +220,6 @@ def impact_report(result: Spread) -> Report:
         **{"impacts": result.computed, "without_second_strike": single},
         **{"own": result.nominal, "bands": numbers},
         "inputs": [asdict(item) for item in result.ranges],
-        "rows": result.paper_rows,
         **({"levels": levels.rows} if levels.rows else {}),
     }
     terminal: list[Part] = [
@@ -253,7 +227,6 @@ def impact_report(result: Spread) -> Report:
         short(levels),
         _inputs_table(result, short=True),
         *_refused_indices(result),
-        Table((*ROWS, VERDICT), compared, "Comparison with Tables 4 and 5 (* projected); u_D is unknown"),
         f"Cost:   {result.computed} impacts in {result.seconds:.1f} s",
     ]
     kicker = "Uncertainty of both strikes of a whole impact"
@@ -280,13 +253,6 @@ def _impact_answer(result: Spread) -> tuple[str, str]:
     certainty = f"{grouped(result.computed)} impacts of the rigid vehicle."
     if sources := result.sources_of(LARGEST):
         certainty += f" Largest part of the variance from {main_source(sources[0])}."
-    if measured := [row for row in result.paper_rows if not row["projected"]]:
-        inside = sum(row["band"][0] <= row["measured"] <= row["band"][2] for row in measured)
-        within = sum(row["within"] for row in measured)
-        certainty += (
-            f" Of {len(measured)} forces of Tables 4 and 5 that were not projected, {inside} lie in the band, and "
-            f"{within} within u_val with u_D unknown."
-        )
     return answer, certainty
 
 
@@ -300,6 +266,7 @@ def _impact_sentences(result: Spread, single: int) -> list[str]:
         INDEX_METHOD,
         "Raw and filtered forces are those of the total force on the wall during the strike.",
         "The duration of the strikes follows from mass, crush and friction.",
+        "Published forces beside such bands, like with like: `tailslap validate`.",
         "The distribution reflects these ranges only. The model excludes roll and pitch, shifting load, deflection of "
         f"the wall{'' if result.case.axles else ', tyres'} and suspension.",
     ]
@@ -360,12 +327,9 @@ def _band_figure(result: Spread) -> Chart:
     """Return the chart of peak forces."""
     bars = []
     for name in ("raw", "mean_50ms", "cfc60"):
-        kind = TABLES.get(name, ("",))[0]
-        rows = [row for row in result.paper_rows if row["kind"] == kind]
-        dots = [(row["row"], row["measured"] / 1e3, row["projected"]) for row in rows]
         for strike in (1, 2):
             column, label = f"strike_{strike}.{name}", f"{QUANTITIES[name][0]}, strike {strike}"
             low, middle, high = (force / 1e3 for force in result.band(column).percentiles)
             ends, nominal = (low, middle, high), result.nominal[column] / 1e3
-            bars.append(figures.BandBar(label, strike, ends, nominal, dots if strike == 2 else ()))
+            bars.append(figures.BandBar(label, strike, ends, nominal))
     return figures.draw_bands(bars)

@@ -1,22 +1,14 @@
-"""Distribution of forces for uncertain inputs.
-
-Rows a to f of the paper's Tables 4 and 5 are compared with the second strike according to ASME V&V 20. The comparison
-error is E = S - D, simulated minus measured force. The validation uncertainty is u_val = sqrt(u_num^2 + u_input^2 +
-u_D^2). The part of E beyond u_val is the error of the model. Ranges and results are not fitted to any row. Speed and
-angle of a row replace those of the scene where they are known.
-"""
+"""Distribution of forces for uncertain inputs."""
 
 import importlib
-import math
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from postprocess.units import measure
 from tailslap import progress
 from tailslap.campaign import sampling
 from tailslap.campaign.input_ranges import Range
@@ -26,7 +18,6 @@ from tailslap.campaign.sampling import Array, Band
 from tailslap.case.case import Case
 from tailslap.case.impact import strike_columns
 from tailslap.errors import InputError, Verbatim
-from tailslap.replication import paper_values
 
 CORNER_SAMPLES, IMPACT_SAMPLES = 100_000, 4_000
 """Default numbers of samples."""
@@ -34,15 +25,6 @@ CORNER_SAMPLES, IMPACT_SAMPLES = 100_000, 4_000
 
 CORNER_BLOCK, IMPACT_BLOCK = 2048, 512
 """Samples at a time, so that intermediate values fit the processor's cache and histories are small."""
-
-LEVEL = "TL-4"
-"""Test level of the single-unit truck in Tables 4 and 5."""
-
-PUBLISHED = {"b": {"impact.speed": paper_values.ROW_B_SPEED, "impact.angle": paper_values.ROW_B_ANGLE}}
-"""Published inputs of the rows, SI."""
-
-TABLES = {"mean_50ms": ("50 ms mean", paper_values.TABLE_4), "cfc60": ("CFC 60", paper_values.TABLE_5)}
-"""Words and table by the quantity of the second strike."""
 
 
 @dataclass(frozen=True)
@@ -63,8 +45,6 @@ class Spread:
         Results of the scene's own values by name [SI].
     refusal : str
         Reason of the first sample without a solution, or "".
-    paper_rows : list of dict
-        Rows a to f of the paper's Tables 4 and 5, none for another test level.
     """
 
     case: Any
@@ -76,7 +56,6 @@ class Spread:
     nominal: Mapping[str, float]
     seconds: float
     refusal: str = ""
-    paper_rows: tuple[Record, ...] = ()
 
     @property
     def rows(self) -> int:
@@ -146,9 +125,8 @@ def spread(case: Case, ranges: tuple[Range, ...], at_least: int) -> Spread:
         raise InputError(
             "--range", Verbatim("these ranges"), "the peak force is constant within these ranges"
         )
-    result = Spread(case, ranges, inputs, tables, sources, reasons, nominal_columns(case), 0.0, refusal)
-    compared = paper_rows(result) if impact else ()
-    return replace(result, paper_rows=compared, seconds=time.perf_counter() - began)
+    seconds = time.perf_counter() - began
+    return Spread(case, ranges, inputs, tables, sources, reasons, nominal_columns(case), seconds, refusal)
 
 
 def nominal_columns(case: Any) -> dict[str, float]:
@@ -180,58 +158,3 @@ def _first_refusal(case: Case, inputs: Mapping[str, Array], forces: Array) -> st
         except InputError as error:
             return str(error)
     return ""
-
-
-def paper_rows(result: Spread) -> tuple[Record, ...]:
-    """Compare Tables 4 and 5 with the second strike.
-
-    There are none for a scene of another test level.
-    """
-    if result.case.scene.impact.test_level != LEVEL:
-        return ()
-    simulated = {row: _simulated(result, published) for row, published in {"": {}, **PUBLISHED}.items()}
-    return tuple(
-        paper_row(row, kind, *simulated[row.row if row.row in PUBLISHED else ""][f"strike_2.{name}"])
-        for name, (kind, table) in TABLES.items()
-        for row in table
-    )
-
-
-def _simulated(result: Spread, published: Mapping[str, float]) -> dict[str, tuple[float, float, Band]]:
-    """Return value, numerical error and distribution by column.
-
-    The value S has a smaller step than the samples, and u_num is the difference. `published` are the published inputs
-    of a row by key.
-    """
-    case, samples = result.case.varied(published) if published else result.case, result.samples
-    exact = nominal_columns(case)
-    compiled = solved(case, {"impact.speed": np.array([case.inputs["impact.speed"]])})
-    if published:
-        inputs = {item.key: samples[item.key] for item in result.ranges}
-        samples = solved(
-            result.case, inputs | {key: np.full(2 * result.rows, x) for key, x in published.items()}
-        )
-    u_num = {name: abs(float(compiled[name][0]) - exact[name]) for name in strike_columns.COLUMNS}
-    return {
-        name: (exact[name], u_num[name], sampling.band_of(samples[name])) for name in strike_columns.COLUMNS
-    }
-
-
-def paper_row(
-    printed: paper_values.ForceRow, kind: str, simulated: float, u_num: float, band: Band
-) -> Record:
-    """Compare a measured force D with the simulated S [N].
-
-    E = S - D, and u_val excludes the unknown u_D.
-    """
-    u_input, error = band.standard_deviation, simulated - printed.measured
-    u_known = math.hypot(u_num, u_input)
-    needed = math.sqrt(max(0.0, error**2 - u_known**2))
-    within = abs(error) <= u_known
-    verdict = "within u_val" if within else f"within u_val for u_D of at least {measure(needed, 'N', '.0f')}"
-    origin = paper_values.ROW_B_GIVEN if printed.row in PUBLISHED else ""
-    row: Record = {"row": printed.row, "source": printed.source, "kind": kind}
-    row |= {"measured": printed.measured, "projected": printed.projected, "known": origin}
-    row |= {"simulated": simulated, "u_num": u_num, "u_input": u_input, "error": error, "within": within}
-    row |= {"u_d_needed": needed, "verdict": verdict, "share_below": band.fraction_below(printed.measured)}
-    return row | {"u_d": None, "band": band.percentiles}
