@@ -152,7 +152,7 @@ def test_a_whole_impact_answers_with_median_band_and_ratio_before_its_own_force(
 
 
 def test_a_corner_names_its_whole_impact():
-    named = "`tailslap rigid impact-mash-tl4-sut`"
+    named = "in strike 1 (front corner, from 0.000 s), equal to its assumed plateau (`tailslap rigid impact-mash-tl4"
     assert named in case("mash-tl4-sut").headline().answer
     assert named not in case("mash-tl4-sut", "vehicle.mass=8 t").headline().answer
     assert "Whole impact" not in case("paper-table-3").headline().answer

@@ -23,12 +23,12 @@ from fem.plate.properties import RigidStart
 from postprocess.comparison import quantities
 from postprocess.report.page import Headline
 from postprocess.units import force, measure, percent
-from tailslap.case import case
+from tailslap.case import case, case_of
 from tailslap.case.force_band import ForceBand
 from tailslap.case.plate_input import Decision
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene import schema, vary
-from tailslap.scene.read import shipped_scenes
+from tailslap.scene.read import read_scene, shipped_scenes
 from tailslap.scene.units import value_line
 
 if TYPE_CHECKING:
@@ -236,14 +236,19 @@ class RigidStages(case.Case):
         name = self.force_words if reliable else f"{self.force_words}, not reliable"
         interval = f"{band.interval}; " if band.interval else ""
         mean = self.mean_force(peak)
-        whole = f"impact-{self.scene.name}"
-        hint = ""
-        if whole in shipped_scenes() and not self.changes:
-            hint = f" Whole impact of this vehicle, with crush and tyres: `tailslap rigid {whole}`."
         first = (
             f"{name}: {force(peak)} ({interval}{pulse}); 50 ms mean {force(mean)}{self.design_ratio(mean)}."
         )
-        return f"{first}{hint}"
+        return f"{first}{self._whole_impact()}"
+
+    def _whole_impact(self) -> str:
+        """Return the force of the whole impact of a shipped vehicle, or ""."""
+        name = f"impact-{self.scene.name}"
+        if name not in shipped_scenes() or self.changes:
+            return ""
+        whole: Any = case_of(*read_scene(name))
+        _, where = whole.scene_force(whole.answer)
+        return f" Whole impact of this vehicle, with crush and tyres: {where} (`tailslap rigid {name}`)."
 
     def headline(self, band: ForceBand = case.NO_BAND) -> Headline:
         """Return the peak force of the tail-slap with the set-up."""

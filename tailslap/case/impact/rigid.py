@@ -14,7 +14,6 @@ from fem.cache import cached
 from postprocess.comparison import quantities
 from postprocess.report.page import Headline
 from postprocess.signals.filters import LABELS, force_curves
-from postprocess.svg.chart import Chart
 from postprocess.units import SYSTEMS, force, measure, percent_up
 from solver import impact
 from solver.impact.solve import loads_at_rest
@@ -38,6 +37,7 @@ from tailslap.scene.schema import value_at
 from tailslap.scene.units import shown, value_line
 
 if TYPE_CHECKING:
+    from postprocess.svg.chart import Chart
     from tailslap.case.impact.space import SpaceAnswer, SpaceInput
 
 AFTER_SECOND = 0.1
@@ -415,30 +415,35 @@ class RigidImpact(Case):
         if not self.space and not answer.strikes:
             return "The vehicle does not strike the wall."
         name = self.force_words if reliable or self.space else f"{self.force_words}, not reliable"
-        mean, where = self._scene_force(answer)
-        equal = any(abs(mean / plateau - 1.0) <= ROUNDING for plateau in self.plateaus)
-        where += EQUAL if equal else ""
+        mean, where = self.scene_force(answer)
         paper = self.paper_method
         further = [self.space.verdict] if self.space else []
         further += [f"Paper's method: {force(paper['mean_50ms'])}."] if paper else []
         if not band.percentiles:
-            ratio = "" if equal else self.design_ratio(mean)
+            ratio = "" if where.endswith(EQUAL) else self.design_ratio(mean)
             return " ".join([f"{name}: {where}{ratio}.", *further])
         lower, median, upper = band.limits
         ratio = self.design_ratio(median, (lower, upper))
         first = f"{name}: {band.interval}{ratio}. {OF_SCENE}{where}."
         return " ".join([first, *further])
 
-    def _scene_force(self, answer: answers.ImpactAnswer) -> tuple[float, str]:
-        """Return the largest 50 ms mean [N] and its place in words."""
+    def scene_force(self, answer: answers.ImpactAnswer) -> tuple[float, str]:
+        """Return the largest 50 ms mean [N], and with its place in words.
+
+        They say so if it equals a plateau.
+        """
         if self.space:
             mean = float(self.space.motion.answers.mean_50ms)
-            return mean, f"{force(mean)} at a height of {self.space.heights}"
+            return mean, f"{force(mean)} at a height of {self.space.heights}{self._equal(mean)}"
         mean, least = answer.peaks["mean_50ms"], "at least " if answer.cut else ""
         number = int(np.argmax([answers.mean_peak(answer, strike) for strike in answer.strikes]))
         strike = answer.strikes[number]
         where = f"strike {number + 1} ({strike.part}, from {strike.start:.3f} s)"
-        return mean, f"{least}{force(mean)} in {where}"
+        return mean, f"{least}{force(mean)} in {where}{self._equal(mean)}"
+
+    def _equal(self, mean: float) -> str:
+        """Return words where a force [N] equals a plateau, or ""."""
+        return EQUAL if any(abs(mean / plateau - 1.0) <= ROUNDING for plateau in self.plateaus) else ""
 
     @property
     def plateaus(self) -> list[float]:
