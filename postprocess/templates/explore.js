@@ -1,11 +1,9 @@
 "use strict";
-const data = JSON.parse(document.getElementById("data").textContent);
 const at = (id) => document.getElementById(id);
 const POSSIBLE = 0, ENDS = 9, MORE_ROWS = 3, VERDICTS = ["", "The crush does not stop the vehicle: a larger stiffness or plateau force is needed.",
   "The steps of this impact leave too large an error: a smaller stiffness or friction is needed."];
-const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 const chosen = { scene: 0, units: 0, values: new Map() };
-let machine, wasm, motion, timer;
+let data, contents, machine, wasm, motion, timer;
 
 class Machine {
   // Memory and kernels of a scene.
@@ -18,7 +16,7 @@ class Machine {
         : kind === "global" ? new WebAssembly.Global({ value: "i32", mutable: true }, data.stack) : Math[name];
     }
     this.exports = new WebAssembly.Instance(wasm, { env }).exports;
-    for (const [place, number] of scene.contents) new Uint8Array(this.memory.buffer).set(bytes(data.texts[number]), place);
+    for (const [place, number] of scene.contents) new Uint8Array(this.memory.buffer).set(contents[number], place);
   }
 
   array(name) {
@@ -354,11 +352,23 @@ async function copy(text, what) {
   at("note").textContent = `${what} copied.`;
 }
 
+async function unpack() {
+  // Numbers of the page, and contents of memory behind them.
+  if (typeof DecompressionStream !== "function") throw new Error("This browser cannot unpack the page, as those since 2023 can: open it in another one.");
+  const packed = Uint8Array.from(atob(at("data").textContent), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
+  const unpacked = await new Response(stream).arrayBuffer(), end = 4 + new DataView(unpacked).getUint32(0, true);
+  data = JSON.parse(new TextDecoder().decode(unpacked.slice(4, end)));
+  let place = end;
+  contents = data.sizes.map((size) => new Uint8Array(unpacked, (place += size) - size, size));
+}
+
 async function begin() {
+  await unpack();
   at("scene").innerHTML = data.scenes.map((one, k) => `<option value="${k}">${one.name}</option>`).join("")
     + data.beyond.map((one) => `<option value="${escaped(one.why)}">${one.name} (command)</option>`).join("");
   if (typeof WebAssembly !== "object") throw new Error("This browser has no WebAssembly, by which the page computes: open it in another one.");
-  wasm = await WebAssembly.compile(bytes(data.module));
+  wasm = await WebAssembly.compile(contents[data.module]);
   const [section] = WebAssembly.Module.customSections(wasm, "digest");
   if (!section || new TextDecoder().decode(section) !== data.digest) {
     throw new Error("The module of this page is not that of its kernels: write the page again with `tailslap explore`.");

@@ -6,9 +6,10 @@ import base64
 import hashlib
 import json
 import math
+import zlib
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import tailslap
 from machine_code import web_assembly
@@ -83,6 +84,8 @@ FIRST = "impact-mash-tl4-sut"
 LARGEST = 2**22
 """Largest file that is looked at [bytes]."""
 
+Item = TypeVar("Item", str, bytes)
+
 
 def write(name: str, path: Path) -> Path:
     """Write the page of a scene.
@@ -107,7 +110,7 @@ def page_of(names: Iterable[str]) -> str:
 
     names: of scenes, or files. Raises InputError for a scene that a page cannot compute, if it is the first.
     """
-    texts, calls = _Texts(), None
+    texts, contents, calls = _Numbered[str](), _Numbered[bytes](), None
     shown, beyond = list[dict[str, Any]](), list[dict[str, str]]()
     for name in names:
         case: Any = case_of_scene(name, None)
@@ -119,11 +122,11 @@ def page_of(names: Iterable[str]) -> str:
             beyond.append({"name": case.scene.name, "why": str(error)})
             continue
         calls = calls or built.calls
-        shown.append(_scene(case, name, built, texts))
+        shown.append(_scene(case, name, built, texts, contents))
     assert calls
     data = {
         "digest": web_assembly.digest_of(calls),
-        "module": base64.b64encode(web_assembly.module(calls)).decode("ascii"),
+        "module": contents.number(web_assembly.module(calls)),
         "stack": web_assembly.STACK,
         "texts": [*texts],
         "scenes": shown,
@@ -137,12 +140,27 @@ def page_of(names: Iterable[str]) -> str:
         "equal": rigid.EQUAL,
         "of_scene": rigid.OF_SCENE,
     }
-    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
     script = template_text("explore.js")
-    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
     return template("explore.html.j2").render(
-        data=text, script=script, digest=digest, version=tailslap.__version__
+        data=_base64(_packed(data | {"sizes": [*map(len, contents)]}, contents)),
+        script=script,
+        digest=_base64(hashlib.sha256(script.encode()).digest()),
+        version=tailslap.__version__,
     )
+
+
+def _packed(data: dict[str, Any], contents: Iterable[bytes]) -> bytes:
+    """Return numbers and contents of a page, deflated.
+
+    The length of the numbers as JSON is before them, with four bytes.
+    """
+    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
+    packer = zlib.compressobj(9, wbits=-zlib.MAX_WBITS)
+    return packer.compress(b"".join([len(text).to_bytes(4, "little"), text, *contents])) + packer.flush()
+
+
+def _base64(content: bytes) -> str:
+    return base64.b64encode(content).decode("ascii")
 
 
 def all_scenes(first: str) -> list[str]:
@@ -150,16 +168,12 @@ def all_scenes(first: str) -> list[str]:
     return list(dict.fromkeys([first, *(name for name in scenes() if name.startswith("impact-"))]))
 
 
-class _Texts(dict[str, int]):
-    """Texts, each once, with their numbers."""
+class _Numbered(dict[Item, int]):
+    """Texts or contents of memory, each once, with their numbers."""
 
-    def number(self, text: str) -> int:
-        """Return the number of a text."""
-        return self.setdefault(text, len(self))
-
-    def content(self, content: bytes) -> int:
-        """Return the number of a content of memory."""
-        return self.number(base64.b64encode(content).decode("ascii"))
+    def number(self, item: Item) -> int:
+        """Return the number of an item."""
+        return self.setdefault(item, len(self))
 
 
 def _displayed(unit: str, name: str) -> tuple[float, str]:
@@ -167,11 +181,12 @@ def _displayed(unit: str, name: str) -> tuple[float, str]:
     return (units.converted(1.0, unit, name) if unit else 1.0), name
 
 
-def _scene(case: ImpactCase, name: str, built: model.Model, texts: _Texts) -> dict[str, Any]:
+def _scene(
+    case: ImpactCase, name: str, built: model.Model, texts: _Numbered[str], contents: _Numbered[bytes]
+) -> dict[str, Any]:
     """Return a scene for a page."""
     memory, parts = web_assembly.layout(built.calls), cast(kernels.Parts, built.calls["motion"][1][1])
-    contents = [(place.at, texts.content(place.content)) for place in memory.arrays.values() if place.content]
-    contents += [(at, texts.content(content)) for at, content in memory.slots]
+    filled = [(place.at, place.content) for place in memory.arrays.values() if place.content]
     loads = [[load, design.force] for load, design in design_forces_of(case.scene).items()]
     origins = {item.key: item.origin for item in built.ranges}
     text = scene_text(name)
@@ -183,7 +198,7 @@ def _scene(case: ImpactCase, name: str, built: model.Model, texts: _Texts) -> di
         "text": text,
         "calls": memory.calls,
         "arrays": {key: [p.at, p.kind, p.shape, p.slot] for key, p in memory.arrays.items() if key in READ},
-        "contents": contents,
+        "contents": [(at, contents.number(content)) for at, content in [*filled, *memory.slots]],
         "size": memory.size,
         "quantities": [
             _quantity(case, key, column, texts)
@@ -221,7 +236,7 @@ def _is_offered(case: ImpactCase, key: str) -> bool:
     return bool(key) and "@" not in key and isinstance(value_in(case.source.tables, key), int | float | str)
 
 
-def _quantity(case: ImpactCase, key: str, column: int, texts: _Texts) -> dict[str, Any]:
+def _quantity(case: ImpactCase, key: str, column: int, texts: _Numbered[str]) -> dict[str, Any]:
     """Return a quantity with its bounds and slider, SI."""
     quantity, value = quantity_at(key, case.source.tables), float(schema.value_at(case.scene, key))
     assert quantity
