@@ -110,7 +110,7 @@ def advance_and_measure(state, before, stride, parameters, reference, force, scr
     """
     describe_forces(state, parameters, force, scratch, last)
     for row in range(rows.shape[0]):
-        _copy_state(state, before)
+        copy_state(state, before)
         advance_to_row(state, stride, parameters, force, scratch, last)
         measures = measures_of(state, parameters, reference, force, last)
         finite = True
@@ -123,10 +123,22 @@ def advance_and_measure(state, before, stride, parameters, reference, force, scr
 
 
 @compiled
-def _copy_state(state, target):
+def copy_state(state, target):
     """Copy the arrays of a state into another."""
     copy_nodal(state.positions, target.positions)
     copy_nodal(state.velocities, target.velocities)
     for k in range(state.sums.size):
         target.sums[k] = state.sums[k]
     target.origin[0] = state.origin[0]
+
+
+def lagrange_weight(nodes, begin, end, k, at):
+    """Return the weight of value k in the interpolating polynomial.
+
+    nodes: places of the values, of which those from `begin` to before `end` count; at: place of the interpolation.
+    """
+    weight = 1.0
+    for i in range(begin, end):
+        if i != k:
+            weight *= (at - nodes[i]) / (nodes[k] - nodes[i])
+    return weight

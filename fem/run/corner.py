@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from fem.explicit import columns
-from fem.explicit.measures import advance_and_measure, measure
+from fem.explicit.measures import advance_and_measure, lagrange_weight, measure
 from fem.explicit.time_loop import State
 from fem.model.plate_model import PlateModel
 from fem.run import observers, runner
@@ -260,7 +260,7 @@ def simulate(
     """
     entered = time.perf_counter()
     stepper, time_step = make_stepper(model, threads), model.parameters.time_step
-    stride = max(1, round(duration / time_step / rows))
+    stride = stride_of(duration, model, rows)
     interval = time_step * stride
 
     def is_corrupted(made_rows: np.ndarray) -> bool:
@@ -298,6 +298,11 @@ def simulate(
     return Run(history, strike, steps, began - entered, ended - began, model, sampled, snaps)
 
 
+def stride_of(duration: float, model: PlateModel, rows: int) -> int:
+    """Return the steps between about this many rows of a duration [s]."""
+    return max(1, round(duration / model.parameters.time_step / rows))
+
+
 def _named(values: Iterable[T]) -> dict[str, T]:
     """Return values of a row, or columns of a history, by name."""
     return dict(zip(("t", *columns.COLUMNS), values, strict=True))
@@ -317,21 +322,9 @@ def _locate_strike(stepper: Stepper, state: State, step: int, stride: int) -> tu
         instants.append(stepper.record(instants[-1].state, 1, 1))
     steps, states = step + np.arange(skipped, crossing + 2), [instant.state for instant in instants]
     rows = np.array([instant.rows[0] for instant in instants])
-    weights = _lagrange(rows[:, 0], 0.0)
+    weights = np.array([lagrange_weight(rows[:, 0], 0, len(rows), k, 0.0) for k in range(len(rows))])
     values = dict(zip(columns.COLUMNS, (weights @ rows).tolist(), strict=True))
     values |= {"t": float(weights @ steps) * stepper.parameters.time_step, "theta": 0.0}
     nodal = zip(*map(stepper.nodal, states, [*states[1:], None]), strict=True)
     fields = (np.tensordot(weights, values_at, 1) for values_at in nodal)
     return StrikeState(values, *fields), int(steps[-1])
-
-
-def _lagrange(nodes: np.ndarray, at: float) -> np.ndarray:
-    """Return the weights of values in the interpolating polynomial.
-
-    nodes: places of the values; at: place of the interpolation.
-    """
-    difference = nodes[:, None] - nodes[None, :]
-    np.fill_diagonal(difference, 1.0)
-    numerator = at - np.tile(nodes, (nodes.size, 1))
-    np.fill_diagonal(numerator, 1.0)
-    return np.asarray((numerator / difference).prod(axis=1))

@@ -6,17 +6,17 @@ const chosen = { scene: 0, units: 0, values: new Map() };
 let data, contents, machine, wasm, motion, timer;
 
 class Machine {
-  // Memory and kernels of a scene.
-  constructor(scene) {
+  // Memory and kernels of a scene, from its module and the contents of memory.
+  constructor(scene, module, filled) {
     this.scene = scene;
     this.memory = new WebAssembly.Memory({ initial: Math.ceil(scene.size / 65536) });
     const env = {};
-    for (const { name, kind } of WebAssembly.Module.imports(wasm)) {
+    for (const { name, kind } of WebAssembly.Module.imports(module)) {
       env[name] = kind === "memory" ? this.memory
         : kind === "global" ? new WebAssembly.Global({ value: "i32", mutable: true }, data.stack) : Math[name];
     }
-    this.exports = new WebAssembly.Instance(wasm, { env }).exports;
-    for (const [place, number] of scene.contents) new Uint8Array(this.memory.buffer).set(contents[number], place);
+    this.exports = new WebAssembly.Instance(module, { env }).exports;
+    for (const [place, number] of scene.contents) new Uint8Array(this.memory.buffer).set(filled[number], place);
   }
 
   array(name) {
@@ -154,7 +154,22 @@ function answer(ends, name) {
   at("certainty").textContent = `Rigid vehicle in the plane; error by the time step at most ${digits(100 * error * 1.05, 2)} %.`;
 }
 
+function drawBand() {
+  // Places within ranges by parts of a Latin hypercube: numbers of PCG64 (O'Neill, HMC-CS-2014-0905) as NumPy draws them.
+  const [, , [columns, rows]] = scene().arrays["band.ranges.drawn"], drawn = machine.array("band.ranges.drawn"), parts = contents[scene().drawn];
+  const [first, increment] = data.random.map(BigInt), half = (1n << 64n) - 1n;
+  let state = first;
+  for (let i = 0; i < rows; i++) {
+    for (let k = 0; k < columns; k++) {
+      state = BigInt.asUintN(128, state * 0x2360ed051fc65da44385df649fccf645n + increment);
+      const bits = (state >> 64n) ^ (state & half), turn = state >> 122n, turned = bits >> turn | bits << (64n - turn) & half;
+      drawn[k * rows + i] = (parts[k * rows + i] + 1 - Number(turned >> 11n) / 2 ** 53) / rows;
+    }
+  }
+}
+
 function band() {
+  if (!machine.array("band.ranges.drawn")[0]) drawBand();
   const start = performance.now(), [reason, item, verdict, varied, number] = machine.call("band");
   const ranges = scene().ranges, ends = machine.array("band.ranges.ends");
   if (reason || verdict) {
@@ -288,7 +303,7 @@ function box(quantity) {
 
 function open(number) {
   chosen.scene = number;
-  machine = new Machine(structuredClone(data.scenes[number]));
+  machine = new Machine(structuredClone(data.scenes[number]), wasm, contents);
   at("scene").value = String(number);
   at("footer").textContent = `${scene().name}: ${scene().title}. Kernels ${data.digest.slice(0, 12)}; \`tailslap rigid\` computes the same numbers.`;
   boxes();
@@ -352,27 +367,32 @@ async function copy(text, what) {
   at("note").textContent = `${what} copied.`;
 }
 
-async function unpack() {
-  // Numbers of the page, and contents of memory behind them.
+async function unpack(id) {
+  // Numbers of a part of the page, and the contents of memory behind them.
   if (typeof DecompressionStream !== "function") throw new Error("This browser cannot unpack the page, as those since 2023 can: open it in another one.");
-  const packed = Uint8Array.from(atob(at("data").textContent), (letter) => letter.charCodeAt(0));
+  const packed = Uint8Array.from(atob(at(id).textContent), (letter) => letter.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
   const unpacked = await new Response(stream).arrayBuffer(), end = 4 + new DataView(unpacked).getUint32(0, true);
-  data = JSON.parse(new TextDecoder().decode(unpacked.slice(4, end)));
+  const numbers = JSON.parse(new TextDecoder().decode(unpacked.slice(4, end)));
   let place = end;
-  contents = data.sizes.map((size) => new Uint8Array(unpacked, (place += size) - size, size));
+  return [numbers, numbers.sizes.map((size) => new Uint8Array(unpacked, (place += size) - size, size))];
+}
+
+async function moduleOf(code, digest) {
+  // Compiled kernels, which must have this digest.
+  const module = await WebAssembly.compile(code), [section] = WebAssembly.Module.customSections(module, "digest");
+  if (!section || new TextDecoder().decode(section) !== digest) {
+    throw new Error("The module of this page is not that of its kernels: write the page again with `tailslap explore`.");
+  }
+  return module;
 }
 
 async function begin() {
-  await unpack();
+  [data, contents] = await unpack("data");
   at("scene").innerHTML = data.scenes.map((one, k) => `<option value="${k}">${one.name}</option>`).join("")
     + data.beyond.map((one) => `<option value="${escaped(one.why)}">${one.name} (command)</option>`).join("");
   if (typeof WebAssembly !== "object") throw new Error("This browser has no WebAssembly, by which the page computes: open it in another one.");
-  wasm = await WebAssembly.compile(contents[data.module]);
-  const [section] = WebAssembly.Module.customSections(wasm, "digest");
-  if (!section || new TextDecoder().decode(section) !== data.digest) {
-    throw new Error("The module of this page is not that of its kernels: write the page again with `tailslap explore`.");
-  }
+  wasm = await moduleOf(contents[data.module], data.digest);
   at("scene").addEventListener("change", () => {
     const number = Number(at("scene").value);
     if (Number.isNaN(number)) {
@@ -396,8 +416,3 @@ async function begin() {
   restore();
   document.body.dataset.ready = performance.now().toFixed(0);
 }
-
-begin().catch((error) => {
-  at("headline").textContent = error.message;
-  at("headline").classList.add("refused");
-});

@@ -134,7 +134,8 @@ def demand_planar(case: Any) -> None:
 
 def _refuse(scene: Scene, key: str, allowed: str) -> NoReturn:
     """Raise InputError for a scene that a page cannot compute."""
-    why = f"the page computes {allowed}; `tailslap rigid {scene.name}` computes this scene"
+    command = "run" if key == "wall" else "rigid"
+    why = f"the page computes {allowed}; `tailslap {command} {scene.name}` computes this scene"
     raise InputError(key, Verbatim(scene.name), why)
 
 

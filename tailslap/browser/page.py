@@ -11,12 +11,15 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
+import numpy as np
+
 import tailslap
 from machine_code import web_assembly
 from postprocess.report.page import template, template_text
 from postprocess.signals.design_forces import design_forces
 from solver import rules
-from tailslap.browser import kernels, model
+from tailslap.browser import kernels, model, plate
+from tailslap.campaign import sampling
 from tailslap.case.force_band import PERCENTILES, Calibration, ForceBand
 from tailslap.case.impact import rigid
 from tailslap.case.of_arguments import case_of_scene
@@ -66,14 +69,20 @@ REASONS = {
 }
 """Rules of the theory by the kernels' number."""
 
+DRAWN = "band.ranges.drawn"
+"""Places within ranges, which the script of a page makes."""
+
 READ = (
     "motion.values", "motion.parts.units", "motion.parts.axles", "motion.parts.points", "motion.parts.places",
     "motion.case.0.group", "motion.case.0.plateau_force", "motion.case.1.load", "motion.case.1.unit",
     "motion.case.4.reached", "motion.outcome.rows", "motion.outcome.interval", "motion.outcome.strikes",
     "motion.outcome.error", "motion.motion.values", "motion.motion.curves", "motion.motion.strike_means",
-    "motion.motion.times", "motion.motion.peaks", "band.ranges.ends", "band.percentiles", "band.forces",
+    "motion.motion.times", "motion.motion.peaks", "band.ranges.ends", "band.percentiles", "band.forces", DRAWN,
 )  # fmt: skip
 """Arrays that the script of a page reads or fills."""
+
+SCRIPTS = "explore.js", "explore_plate.js"
+"""Parts of the script of a page, of which the last begins."""
 
 MARK = '<meta name="generator" content="tailslap explore">'
 """Part of every page, by which one is known."""
@@ -112,12 +121,16 @@ def page_of(names: Iterable[str]) -> str:
     """
     texts, contents, calls = _Numbered[str](), _Numbered[bytes](), None
     shown, beyond = list[dict[str, Any]](), list[dict[str, str]]()
+    plates, of_plates = list[dict[str, Any]](), _Numbered[bytes]()
     for name in names:
         case: Any = case_of_scene(name, None)
         try:
+            if case.scene.contact is None:
+                plates.append(plate.plate_of(case, of_plates.number))
+                continue
             built = model.model_of(case)
         except InputError as error:
-            if not shown:
+            if not (shown or plates):
                 raise
             beyond.append({"name": case.scene.name, "why": str(error)})
             continue
@@ -133,6 +146,11 @@ def page_of(names: Iterable[str]) -> str:
         "beyond": beyond,
         "units": {unit: [_displayed(unit, name) for name in pair] for unit, pair in DISPLAYED.items()},
         "reasons": {number: [rule.why, rule.allowed] for number, rule in REASONS.items()},
+        "most_elements": plate.MOST_ELEMENTS,
+        "random": [
+            hex(np.random.default_rng(sampling.SEED).bit_generator.state["state"][k])
+            for k in ("state", "inc")
+        ],
         "percentiles": len(PERCENTILES),
         "force": rigid.RigidImpact.force_words,
         "band": ForceBand().name,
@@ -140,23 +158,26 @@ def page_of(names: Iterable[str]) -> str:
         "equal": rigid.EQUAL,
         "of_scene": rigid.OF_SCENE,
     }
-    script = template_text("explore.js")
+    script = "".join(map(template_text, SCRIPTS))
     return template("explore.html.j2").render(
-        data=_base64(_packed(data | {"sizes": [*map(len, contents)]}, contents)),
+        data=_packed(data, contents),
+        plates=_packed({"stack": web_assembly.STACK, "plates": plates}, of_plates),
         script=script,
         digest=_base64(hashlib.sha256(script.encode()).digest()),
         version=tailslap.__version__,
     )
 
 
-def _packed(data: dict[str, Any], contents: Iterable[bytes]) -> bytes:
+def _packed(data: dict[str, Any], contents: _Numbered[bytes]) -> str:
     """Return numbers and contents of a page, deflated.
 
     The length of the numbers as JSON is before them, with four bytes.
     """
-    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
+    numbers = data | {"sizes": [*map(len, contents)]}
+    text = json.dumps(numbers, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
     packer = zlib.compressobj(9, wbits=-zlib.MAX_WBITS)
-    return packer.compress(b"".join([len(text).to_bytes(4, "little"), text, *contents])) + packer.flush()
+    packed = packer.compress(b"".join([len(text).to_bytes(4, "little"), text, *contents])) + packer.flush()
+    return _base64(packed)
 
 
 def _base64(content: bytes) -> str:
@@ -164,8 +185,10 @@ def _base64(content: bytes) -> str:
 
 
 def all_scenes(first: str) -> list[str]:
-    """Return a scene and those of the program behind it."""
-    return list(dict.fromkeys([first, *(name for name in scenes() if name.startswith("impact-"))]))
+    """Return a scene, those of the program behind it, and plates."""
+    known, whole = scenes(), f"impact-{first}"
+    impacts = [name for name in known if name.startswith("impact-")]
+    return list(dict.fromkeys([first, *([whole] if whole in known else []), *impacts, *plate.SCENES]))
 
 
 class _Numbered(dict[Item, int]):
@@ -186,7 +209,8 @@ def _scene(
 ) -> dict[str, Any]:
     """Return a scene for a page."""
     memory, parts = web_assembly.layout(built.calls), cast(kernels.Parts, built.calls["motion"][1][1])
-    filled = [(place.at, place.content) for place in memory.arrays.values() if place.content]
+    arrays = memory.arrays.items()
+    filled = [(place.at, place.content) for key, place in arrays if place.content and key != DRAWN]
     loads = [[load, design.force] for load, design in design_forces_of(case.scene).items()]
     origins = {item.key: item.origin for item in built.ranges}
     text = scene_text(name)
@@ -199,6 +223,7 @@ def _scene(
         "calls": memory.calls,
         "arrays": {key: [p.at, p.kind, p.shape, p.slot] for key, p in memory.arrays.items() if key in READ},
         "contents": [(at, contents.number(content)) for at, content in [*filled, *memory.slots]],
+        "drawn": contents.number(_parts_of(cast(kernels.Ranges, built.calls["band"][1][3]).drawn)),
         "size": memory.size,
         "quantities": [
             _quantity(case, key, column, texts)
@@ -213,6 +238,16 @@ def _scene(
             for one in (Calibration(**found.calibration) for found in model.classes_of(case))
         ],
     }
+
+
+def _parts_of(drawn: np.ndarray) -> bytes:
+    """Return the parts of a Latin hypercube, shape (columns, rows), less 1.
+
+    The script of a page draws the places within them, see `sampling.latin_hypercube`.
+    """
+    columns, rows = drawn.shape
+    offsets = np.random.default_rng(sampling.SEED).uniform(size=(rows, columns)).T
+    return (np.rint(rows * drawn + offsets) - 1).astype(np.uint8).tobytes()
 
 
 def _compared(case: ImpactCase) -> tuple[str, float] | None:

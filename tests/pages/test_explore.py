@@ -16,8 +16,10 @@ from machine_code import web_assembly
 from postprocess.units import SYSTEMS
 from tailslap import cli
 from tailslap.browser import page
+from tailslap.case.corner.corner_run import attempt
 from tailslap.case.of_arguments import case_of_scene
 from tailslap.errors import InputError
+from tailslap.scene.read import scene_text
 from tailslap.validation.calibration import calibrated_band
 
 MISSING = [name for name in ("playwright", "axe_playwright_python") if importlib.util.find_spec(name) is None]
@@ -26,11 +28,22 @@ in_chromium = pytest.mark.skipif(
 )
 
 TRUCK, TRAIN = "impact-mash-tl4-sut", "impact-mash-tl5-tractor-van"
+PLATE, WALL = "paper-table-3", "elastic-wall"
 
 
 @pytest.fixture(scope="module")
-def text():
-    return page.page_of([TRUCK, TRAIN, "mash-tl4-sut"])
+def wall(tmp_path_factory):
+    """Scene with a deformable wall, which the page cannot do."""
+    path = tmp_path_factory.mktemp("scene") / f"{WALL}.toml"
+    sizes = 'length = "30 m"\ndepth = "0.5 m"\nheight = "1 m"\nelements = [60, 2]'
+    table = f'[wall]\n{sizes}\nfoundation_stiffness = "2 MN/m^2"\n'
+    path.write_text(scene_text(TRUCK).replace(f'"{TRUCK}"', f'"{WALL}"') + table, encoding="utf-8")
+    return str(path)
+
+
+@pytest.fixture(scope="module")
+def text(wall):
+    return page.page_of([TRUCK, TRAIN, wall, PLATE])
 
 
 @pytest.fixture(scope="module")
@@ -64,11 +77,11 @@ def test_the_command_writes_and_opens_one_file(tmp_path, monkeypatch, capsys, te
 
 
 @pytest.mark.parametrize(("scene", "words"), [
-    ("none", "none"), ("mash-tl4-sut", "`tailslap rigid mash-tl4-sut`"), ("impact-tipping-tl4-sut", "in the plane"),
+    ("none", "none"), ("", f"`tailslap run {WALL}`"), ("impact-tipping-tl4-sut", "in the plane"),
 ])  # fmt: skip
-def test_scenes_beyond_the_page_are_refused(scene, words, tmp_path, monkeypatch, capsys):
+def test_scenes_beyond_the_page_are_refused(scene, words, wall, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    assert cli._status(["explore", scene, "--headless"]) == 2
+    assert cli._status(["explore", scene or wall, "--headless"]) == 2
     assert words in " ".join(capsys.readouterr().err.split())
     assert not list(tmp_path.iterdir())
 
@@ -188,10 +201,10 @@ def test_memory_grows_for_more_rows(browser, file):
 
 @in_chromium
 def test_an_address_with_unknown_keys_is_named(browser, file):
-    tab = opened(browser, file, "#scene=mash-tl4-sut&impact.speed=x&wall.height=2")
+    tab = opened(browser, file, f"#scene={WALL}&impact.speed=x&wall.height=2")
     assert settled(tab) == answer(TRUCK)
     note = tab.inner_text("#note")
-    assert "`tailslap rigid mash-tl4-sut`" in note
+    assert f"`tailslap run {WALL}`" in note
     assert "impact.speed=x, wall.height=2" in note
 
 
@@ -210,12 +223,34 @@ def test_a_browser_without_its_parts_and_another_module_are_named(browser, file,
 
 
 @in_chromium
+@pytest.mark.parametrize("units", ["si", "us"])
+def test_a_plate_runs_by_its_button(browser, file, units):
+    """Its speed is that of the command, beside the exact one."""
+    tab = opened(browser, file, f"#units={units}")
+    assert f"tailslap run {PLATE}" in tab.inner_text("#plate")
+    tab.focus("#run-plate")
+    tab.keyboard.press("Enter")
+    tab.wait_for_selector("#plate[data-spent]")
+    case: Any = case_of_scene(PLATE, None)
+    fe = attempt(case).fe["v_gy"]
+    factor, unit = SYSTEMS[units].of("m/s")
+    speeds = [f"−{-factor * speed:#.5g} {unit}" for speed in (fe, case.tail_slap["v_gy"])]
+    answer = "v_GY at the tail-slap: {} by finite elements, {} exact".format(*speeds)
+    assert tab.inner_text("#plate-answer").startswith(answer)
+    assert f"{fe / case.tail_slap['v_gy'] - 1.0:+.1e}".replace("-", "−") in tab.inner_text("#plate-table")
+    assert tab.query_selector_all("#plate-chart circle")
+    assert tab.errors == []
+
+
+@in_chromium
 @pytest.mark.parametrize(("width", "scheme"), [(390, "dark"), (1280, "light")])
 def test_screens(browser, file, width, scheme):
     """No fault by axe, and nothing beyond the window."""
     from axe_playwright_python.sync_playwright import Axe
 
     tab = opened(browser, file, viewport={"width": width, "height": 900}, color_scheme=scheme)
+    tab.click("#run-plate")
+    tab.wait_for_selector("#plate[data-spent]")
     violations = Axe().run(tab).response["violations"]
     assert [(fault["id"], fault["nodes"][0]["html"]) for fault in violations] == []
     assert tab.evaluate("document.documentElement.scrollWidth") <= width

@@ -135,5 +135,5 @@ def test_a_band_in_webassembly_has_the_same_numbers(name):
 
 @pytest.mark.parametrize("name", [name for name in tailslap.scenes() if name not in SCENES])
 def test_scenes_beyond_a_page_are_refused_with_the_command(name):
-    with pytest.raises(InputError, match=f"`tailslap rigid {name}` computes this scene"):
+    with pytest.raises(InputError, match=f"`tailslap (rigid|run) {name}` computes this scene"):
         calls_of(name)
