@@ -12,8 +12,8 @@ from fem.laws.contact_forces import PointCrush, crush_line, loading_force
 from machine_code.compiled import inlined, reordered
 from solver.space import state as col
 from solver.space.dynamics import cross, rotated, turned_back
-from solver.space.facets import mean_normal, point_of_face
 from solver.space.stopping import add_sums, centripetal, normal_power, returns_nothing
+from solver.space.wall import mean_normal, point_of_face
 
 EDGE = 0.02
 """Least half height of a point of a strip [m].

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from machine_code.compiled import OnCompile, compile_once, ignore_compiling
 from solver import rules
 from solver.conditions import Array, Gate, Number
-from solver.space import state
+from solver.space import columns, state
 from solver.space.looks import WINDOW
 from solver.space.state import Clock, Fleet, SpaceWork, row_columns, workspace
 from solver.space.step import advance
@@ -253,23 +253,6 @@ def steps_of(fleet: Fleet, interval: float, phase: float, step: float | None) ->
 
 def _fastest(fleet: Fleet) -> Array:
     """Estimate the highest frequencies [rad/s], shape (n,)."""
-    axles, strips, units = (np.moveaxis(values, -1, 0) for values in (fleet.axles, fleet.strips, fleet.units))
-    mass, inertia = axles[state.AXLE_MASS], axles[state.AXLE_INERTIA]
-    vertical = 2.0 * (axles[state.TYRE] + axles[state.SPRING])
-    turning = 2.0 * (
-        axles[state.TYRE] * axles[state.HALF_TRACK] ** 2
-        + axles[state.SPRING] * axles[state.HALF_SPACING] ** 2
-    )
-    crush = strips[state.STIFFNESS] * strips[state.LENGTH]
-    sizes = np.diff(fleet.profile, axis=0)
-    upward = float(np.max(sizes[:, 0] ** 2 / (sizes**2).sum(axis=1)))
-    for strip, axle in enumerate(fleet.strip_axle):
-        if axle >= 0:
-            vertical[:, axle] += upward * crush[:, strip]
-    squares = [np.max(vertical / mass, axis=-1), np.max(turning / inertia, axis=-1)]
-    squares.append(np.max(4.0 * crush / units[state.MASS][:, fleet.strip_unit], axis=-1))
-    squares.append(
-        np.max(units[state.TWIST] / units[state.I_X], axis=-1) if units.shape[-1] > 1 else squares[0]
-    )
-    result: Array = np.sqrt(np.max(squares, axis=0))
-    return result
+    rates = np.zeros(len(fleet.height))
+    columns.fill_rates(fleet, rates)
+    return rates

@@ -35,6 +35,9 @@ Both ends, in the body's axes or about the roll centre of its axle, y to the lef
 [m]; half height of a point; force at zero crush [N/m] and slope beyond the plateau's onset [N/m^2] per metre.
 """
 
+WIDTHS = 17, 14, 14
+"""Numbers of columns of a unit, an axle and a strip."""
+
 PUSH, BEFORE, STOPPED, GAP, CLOSING, NORMAL, RESPONSE, ADDED, PUSHES = 0, 1, 2, 3, 4, 5, 13, 21, 29
 """First columns of a strip of one side.
 
@@ -119,7 +122,7 @@ SENSED = 6
 class Fleet(NamedTuple):
     """Vehicles of n samples, with columns named above.
 
-    units: shape (n, units, 17); axles: (n, axles, 14); strips: (n, strips, 13), of the right side; axle_unit,
+    units: shape (n, units, 17); axles: (n, axles, 14); strips: (n, strips, 14), of the right side; axle_unit,
     strip_unit: unit of each; strip_axle: axle of each or -1; strip_points: points of each; profile, shape (points, 2):
     of all walls; height, friction: of each wall; speed, angle: of the train at first touch.
     """

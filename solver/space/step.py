@@ -11,7 +11,6 @@ from machine_code.compiled import compact, compiled
 from solver.space import state as col
 from solver.space.axles import press_axles, twist_hinges
 from solver.space.dynamics import assemble, begin_step, close_hinges, kick, move, rotated, turned_back
-from solver.space.facets import point_of_face, wall_facets
 from solver.space.forces import (
     add_force,
     point_velocity,
@@ -20,6 +19,7 @@ from solver.space.forces import (
 from solver.space.rows import end_row, means, record
 from solver.space.stopping import add_stopped, returns_nothing, stop_strips
 from solver.space.verdict import LEANING, QUIET, SOONEST, finish, leave, verdict
+from solver.space.wall import point_of_face, wall_facets
 
 AGAIN = 3
 """Repetitions by which hinges close and strips that return no energy stop together."""

@@ -25,7 +25,9 @@ def graph():
 
 
 STEPS = ("accuracy", "contact", "counting", "instants", "step", "trajectories", "solve", "tyres")
-IN_SPACE = ("axles", "dynamics", "facets", "forces", "motion", "rows", "solve", "step", "stopping", "verdict")
+IN_SPACE = (
+    "axles", "columns", "dynamics", "forces", "motion", "rows", "solve", "step", "stopping", "verdict", "wall",
+)  # fmt: skip
 COMPILED = {
     "postprocess.signals.compiled_filters",
     *(f"solver.space.{name}" for name in IN_SPACE),

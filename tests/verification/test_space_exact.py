@@ -17,8 +17,9 @@ from solver.body import GRAVITY
 from solver.impact import CrushLaw, ImpactVehicle, TyreAxle, WallContact, first_touch, solve_impact
 from solver.space import SpaceStrip, SpaceVehicle, SpaceWall, solve_space
 from solver.space import state as columns
+from solver.space.columns import AXLE_GYRATION
 from solver.space.dynamics import assemble, begin_step, kick, move
-from solver.space.vehicle import AXLE_GYRATION, fleet_of
+from solver.space.vehicle import fleet_of
 
 LOW = SpaceWall(0.02)
 """A wall that no strip of the tests touches."""

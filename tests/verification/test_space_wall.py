@@ -21,11 +21,12 @@ from solver.space import (
     solve_space,
     solve_spaces,
 )
+from solver.space.columns import EDGE
 from solver.space.looks import COMPARED, Look
 from solver.space.motion import LEAST_ERROR
 from solver.space.solve import SCAN, searched_walls
 from solver.space.strips import joined
-from solver.space.vehicle import EDGE, fleet_of
+from solver.space.vehicle import fleet_of
 
 
 def on_wall(strips, wall, speed=SPEED, angle=ANGLE, **options):
