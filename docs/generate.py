@@ -299,6 +299,11 @@ SUMMARY = (
         "s, N, N s",
         "strip, times, peak and impulse of the lateral force of each strike in space",
     ),
+    (
+        "space.strikes[].error.*",
+        "-",
+        "stated relative error of peak, impulse and duration; null of strikes below 5 % of the largest impulse",
+    ),
     ("space.exit.*", "s, m/s, rad", "time, speed, direction and heading at the last contact"),
     ("space.lifted[].*", "s", "intervals with wheels off the ground"),
     ("space.energy.*", "J", "works and kinetic energy at the end"),

@@ -12,6 +12,9 @@ from solver.impact.counting import LIGHT, over_from
 CORNER_ENDS = ("front", "rear", "side")
 """Last words of the names of corners."""
 
+ROUNDING = 1e-12
+"""Force over the largest of its corner up to which it is none."""
+
 
 @dataclass(frozen=True)
 class Strike:
@@ -81,6 +84,7 @@ def strikes_of(
     station_by_corner: Mapping[str, Array] | None = None,
     position_by_corner: Mapping[str, Array] | None = None,
     light: float = LIGHT,
+    apart: float = 1.0,
 ) -> tuple[Strike, ...]:
     """Return strikes from sampled forces.
 
@@ -103,6 +107,8 @@ def strikes_of(
         Points of attack, behind the front and along the wall [m].
     light : float
         Impulse of later touches over that of the strike, from which they prolong it.
+    apart : float
+        Time off the wall after which a strike is over, over that of the rule.
 
     Returns
     -------
@@ -113,24 +119,27 @@ def strikes_of(
     strikes = []
     for corner, force in force_by_corner.items():
         further = [values.get(corner) for values in (tangential, station, position_by_corner or {})]
-        touches = _touches(np.asarray(t), np.asarray(force), light)
+        touches = _touches(np.asarray(t), np.asarray(force), light, apart)
         strikes += [_sampled(corner, np.asarray(t), np.asarray(force), touch, further) for touch in touches]
     return tuple(sorted(strikes, key=lambda strike: strike.start))
 
 
-def _touches(t: Array, force: Array, light: float) -> list[tuple[int, int, int]]:
+def _touches(t: Array, force: Array, light: float, apart: float) -> list[tuple[int, int, int]]:
     """Return the samples of each strike.
 
     The first, the end of those that prolong it, and the end of all.
     """
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], force > 0.0, [0]]))).reshape(-1, 2)
+    edges = np.flatnonzero(
+        np.diff(np.concatenate([[0], force > ROUNDING * force.max(initial=0.0), [0]]))
+    ).reshape(-1, 2)
     impulse = np.concatenate([[0.0], np.cumsum(force * np.diff(t))])
     strikes: list[tuple[int, int, int]] = []
     for first, last in edges.tolist():
-        if not strikes or t[first] >= over_from.py_func(t[strikes[-1][0]], t[strikes[-1][1]]):
+        start, until, _ = strikes[-1] if strikes else (0, 0, 0)
+        over = over_from.py_func(t[start], t[until])
+        if not strikes or t[first] >= over + (apart - 1.0) * (over - t[until]):
             strikes.append((first, last, last))
             continue
-        start, until, _ = strikes[-1]
         is_light = impulse[last] - impulse[until] < light * (impulse[last] - impulse[start])
         strikes[-1] = start, until if is_light else last, last
     return strikes
@@ -177,6 +186,12 @@ def _parabola_peak(force: Array, run: tuple[int, int]) -> float:
     before, top, after = force[k - 1 : k + 2]
     bend = 2.0 * top - before - after
     return float(top + min(bend / 24.0 + (after - before) ** 2 / (8.0 * bend), bends.min() / 6.0))
+
+
+def nearest(strikes: Sequence[Strike], strike: Strike) -> Strike | None:
+    """Return the strike of the same corner that is nearest in time."""
+    same = [candidate for candidate in strikes if candidate.corner == strike.corner]
+    return min(same, key=lambda candidate: abs(candidate.start - strike.start), default=None)
 
 
 def strikes_of_rows(

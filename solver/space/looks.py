@@ -4,6 +4,7 @@ The largest 50 ms mean may belong to another strike for a change of force by les
 therefore compared strike by strike, and all strikes within the error of the largest have a height.
 """
 
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -11,6 +12,8 @@ from typing import Any
 import numpy as np
 
 from solver.conditions import Array
+from solver.impact.counting import LIGHT
+from solver.impact.strikes import Strike, nearest, strikes_of
 from solver.space import state
 
 WINDOW = 0.05
@@ -18,6 +21,15 @@ WINDOW = 0.05
 
 COMPARED = {"largest_roll": 0.05, "mean_50ms": 1e3, "height": 0.05, "moment": 1e3}
 """Quantities by which the error is judged, with the sizes below which their change is not relative [rad, N, m, N m]."""
+
+SAFETY, LEAST_ERROR = 3.0, 2e-4
+"""Error over the last change by half the step or points, and least error of a chosen step."""
+
+QUANTITIES = "peak_force", "impulse", "duration"
+"""Quantities of a strike whose error is stated."""
+
+LIGHTER, APART = 1.5, 1.2
+"""Factors up and down on impulse and time off the wall by which touches belong to one strike."""
 
 
 @dataclass(frozen=True)
@@ -127,3 +139,46 @@ def look_at(answers: Any, rows: Array, interval: float) -> Look:
     )
     units = answers.unit_rolls.shape[1]
     return Look(outcome, roll, mean, height, time, moment, rows[: int(answers.rows[0])], interval, units)
+
+
+def strike_errors(
+    strikes: Sequence[Strike],
+    interval: float,
+    pushes: Mapping[str, Array],
+    compared: Iterable[Mapping[str, Array]],
+) -> list[dict[str, float]]:
+    """Return relative errors of strikes by quantity.
+
+    `SAFETY` times the sum of the changes by steps, points and rows, plus the largest change by other limits of what
+    belongs to a strike. As the former may be small by chance, it counts as no less than its geometric mean with the
+    largest of the strike. Infinite where a motion lacks the strike.
+
+    strikes: of a motion with shorter rows; interval: between rows of the forces [s]; pushes, compared: as of
+    `SpaceMotion`.
+    """
+
+    def counted(forces: Mapping[str, Array], light: float = LIGHT, apart: float = 1.0) -> tuple[Strike, ...]:
+        size = len(next(iter(forces.values())))
+        instants: Array = interval * np.arange(size + 1, dtype=np.float64)
+        return strikes_of(instants, forces, light=light, apart=apart)
+
+    same, motions = counted(pushes), [counted(forces) for forces in compared]
+    limits = [counted(pushes, factor * LIGHT) for factor in (1.0 / LIGHTER, LIGHTER)]
+    limits += [counted(pushes, apart=factor) for factor in (1.0 / APART, APART)]
+    errors = []
+    for strike in strikes:
+        changes = [_changes(strike, same, after) for after in motions]
+        resolved = SAFETY * np.sum([_changes(strike, [strike], same), *changes], axis=0)
+        unsure = np.max([_changes(strike, same, after) for after in limits], axis=0)
+        error = np.maximum(np.sqrt(resolved * resolved.max()) + unsure, LEAST_ERROR)
+        errors.append(dict(zip(QUANTITIES, error.tolist(), strict=True)))
+    return errors
+
+
+def _changes(strike: Strike, before: Sequence[Strike], after: Sequence[Strike]) -> Array:
+    """Return the relative change of each of `QUANTITIES` of the nearest strikes."""
+    pair = nearest(before, strike), nearest(after, strike)
+    if not all(pair):
+        return np.full(len(QUANTITIES), np.inf)
+    first, last = (np.array([getattr(one, name) for name in QUANTITIES]) for one in pair)
+    return np.abs(last / first - 1.0)

@@ -6,9 +6,9 @@ those with half the steps on walls a little lower and higher, have the same, and
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from solver.conditions import Array, Gate
 from solver.impact.strikes import Strike, strikes_of
 from solver.impact.strips import names_of_places
 from solver.space import state
-from solver.space.looks import Look, look_at
+from solver.space.looks import LEAST_ERROR, SAFETY, Look, look_at, strike_errors
 from solver.space.solve import (
     NO_PUSH,
     OUTCOMES,
@@ -45,10 +45,9 @@ INTERVAL, PHASE = 1e-3, 0.2
 TOLERANCE, REFINEMENTS, POINTS, MOST_POINTS = 1e-3, 6, 2, 8
 """Largest error, most refinements of step or points, first and most points of a strip over those of many motions."""
 
-SAFETY, FORMER, UNRESOLVED, LEAST_ERROR = 3.0, 0.25, 0.1, 2e-4
-"""Error over the last change by half the step or points; the part of the change before it that counts, as in a scheme
-of second order; the change from which a step does not resolve the motion and does not count; least error of a chosen
-step. A single change may be small by chance."""
+FORMER, UNRESOLVED = 0.25, 0.1
+"""Part of the change before the last that counts, as in a scheme of second order, and the change from which a step does
+not resolve the motion and does not count. A single change may be small by chance."""
 
 OTHER_STEPS, OTHER_POINTS = 2.0 / 3.0, 0.75
 """Steps and points of the further motion over those of the answer."""
@@ -75,8 +74,10 @@ class SpaceMotion:
     history : dict of ndarray, shape (rows,)
         Columns by name: t and the columns of `state` [SI]; those of later units end with "_2" and so on, those of axles
         with the number of the axle from 1.
-    strikes : tuple of Strike
-        Of the strips, by the mean lateral forces between rows, in order of time.
+    pushes : dict of ndarray, shape (rows - 1,)
+        Mean lateral force between rows on each strip that touches [N].
+    compared : tuple of dict
+        Such forces with half the steps, half the points, and other ones than halves; empty with a prescribed step.
     step : float
         Time step [s].
     points : float
@@ -95,7 +96,8 @@ class SpaceMotion:
     outcome: str
     answers: SpaceAnswers
     history: dict[str, Array]
-    strikes: tuple[Strike, ...]
+    pushes: dict[str, Array]
+    compared: tuple[dict[str, Array], ...]
     step: float
     points: float
     step_error: float
@@ -107,6 +109,26 @@ class SpaceMotion:
     def error(self) -> float:
         """Stated relative error of largest roll, 50 ms mean and height."""
         return max(self.step_error + self.strip_error, self.other_error)
+
+    @cached_property
+    def strikes(self) -> tuple[Strike, ...]:
+        """Strikes of the strips, by `pushes`, in order of time."""
+        return strikes_of(self.history["t"], self.pushes)
+
+    def strike_errors(self, strikes: Sequence[Strike]) -> list[dict[str, float]]:
+        """Return the stated errors of strikes.
+
+        Parameters
+        ----------
+        strikes : sequence of Strike
+            Of this motion with shorter rows.
+
+        Returns
+        -------
+        list of dict
+            Relative errors of `looks.QUANTITIES` of each strike, see `looks.strike_errors`.
+        """
+        return strike_errors(strikes, float(self.history["t"][1]), self.pushes, self.compared)
 
 
 def column_names(units: int, axles: int) -> tuple[str, ...]:
@@ -191,7 +213,7 @@ def solve_space(
     def look(*of: float) -> Look:
         return solved(*of)[2]
 
-    strip_error, other_error, parting, outcomes = 0.0, 0.0, 0.0, set[int]()
+    strip_error, other_error, parting, outcomes, compared = 0.0, 0.0, 0.0, set[int](), list[Look]()
     if step:
         step_error = SAFETY * max(look(parts, points).changes(look(max(parts // 2, 1), points)))
     else:
@@ -199,22 +221,26 @@ def solve_space(
     answers, rows, one = solved(parts, points)
     if not step:
         further, half = look(max(1, round(OTHER_STEPS * parts)), OTHER_POINTS * points), max(parts // 2, 1)
-        coarse = look(half, points), look(parts, 0.5 * points)
+        compared = [look(half, points), look(parts, 0.5 * points), further]
         walls = [look(half, points, higher) for higher in (-MARGIN, MARGIN)]
-        of_mean = SAFETY * max(one.changes(motion)[1] for motion in (further, *coarse))
+        of_mean = SAFETY * max(one.changes(motion)[1] for motion in compared)
         other_error = max(SAFETY * max(one.changes(further)), one.spread(of_mean))
-        outcomes |= {motion.outcome for motion in (further, *coarse, *walls)}
-        parting = SAFETY * max(one.parting(motion) for motion in (further, *coarse))
+        outcomes |= {motion.outcome for motion in (*compared, *walls)}
+        parting = SAFETY * max(one.parting(motion) for motion in compared)
         step_error = max(step_error, LEAST_ERROR - strip_error)
     error = max(step_error + strip_error, other_error)
     table, names = rows[: int(answers.rows[0])], column_names(fleet.units.shape[1], fleet.axles.shape[1])
-    pushes = dict(zip(push_names(vehicle), table[1:, len(names) :].T, strict=True))
+    strips = push_names(vehicle)
+
+    def pushes(look: Look) -> dict[str, Array]:
+        return dict(zip(strips, look.rows[1:, len(names) :].T, strict=True))
+
     instants: Array = interval * np.arange(len(table), dtype=np.float64)
     history = {"t": instants, **dict(zip(names, table.T, strict=False))}
     return SpaceMotion(
         UNDECIDED if outcomes - {one.outcome} or parting > BALANCE else OUTCOMES[one.outcome],
         SpaceAnswers(*(values[0] for values in answers)),
-        history, strikes_of(instants, pushes),
+        history, pushes(one), tuple(map(pushes, compared)),
         interval / parts, points, step_error, strip_error, other_error, one.heights(error),
     )  # fmt: skip
 

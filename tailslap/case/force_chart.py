@@ -68,7 +68,7 @@ def force_tables(case: Any) -> dict[str, Table]:
     answer = case.answer
     if case.space:
         return {
-            "Strikes": case.space.strikes,
+            "Strikes": strikes_table({"in space": case.space.strikes}),
             "Design forces": short(design_table(case, in_space=case.space.numbers())),
         }
     tables = {"Strikes": strikes_table({"rigid": answer.numbers()["strikes"]})}

@@ -11,9 +11,10 @@ import tailslap
 from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table, columns
 from postprocess.signals.design_forces import BY_ACCELERATION, LRFD, DesignForce, design_forces
-from postprocess.units import milliseconds
+from postprocess.units import milliseconds, percent_up
 from tailslap.case.case import Case
 from tailslap.case.check import Check, printed_check
+from tailslap.case.impact.answers import WEIGHT
 from tailslap.errors import typed_command
 from tailslap.scene.schema import Scene
 from tailslap.scene.write import scene_text
@@ -62,6 +63,12 @@ STRIKES = (
     Column("impulse", "Impulse", "N s", form=".2f"),
     Column("point_of_attack", "Resultant", "m", form="z.2f"),
 )
+OF_STRIKES = tuple(
+    Column(f"error.{key}", label, form=percent_up, group="Stated error")
+    for key, label in (("duration", "Duration"), ("peak_force", "Peak"), ("impulse", "Impulse"))
+)
+"""Columns of strikes in space in place of the last one."""
+LIGHT = f"No error is stated of strikes below {100 * WEIGHT:g} % of the largest impulse."
 ATTACK = "Resultant: distance of the resultant force behind the front bumper."
 CUT = " (cut)"
 AT_LEAST = "Cut: the strike continues beyond the end; its duration, peak force and impulse are lower bounds."
@@ -183,8 +190,10 @@ def strikes_table(strikes: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:
         for model, of_model in strikes.items()
         for n, strike in enumerate(of_model, 1)
     ]
-    notes = (ATTACK, *([AT_LEAST] if any(row.get("cut") for row in rows) else []))
-    return Table(STRIKES, sorted(rows, key=lambda row: row["number"]), notes=notes)
+    in_space = any("error" in row for row in rows)
+    table = (*STRIKES[:-1], *OF_STRIKES) if in_space else STRIKES
+    notes = (LIGHT if in_space else ATTACK, *([AT_LEAST] if any(row.get("cut") for row in rows) else []))
+    return Table(table, sorted(rows, key=lambda row: row["number"]), notes=notes)
 
 
 def short(table: Table) -> Table:

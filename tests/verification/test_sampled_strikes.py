@@ -82,6 +82,17 @@ def test_touches_that_bring_half_a_per_cent_prolong_a_strike():
     assert heavy.end == pytest.approx(0.0221)
 
 
+def test_other_limits_of_a_strike_and_touches_by_rounding():
+    """A pause is 19 ms after 20 ms."""
+    force = np.zeros(400)
+    force[100:200] = force[295:320] = 1e5
+    force[350] = 1e-35
+    t = 2e-4 * np.arange(401.0)
+    assert [len(strikes_of(t, {"front": force}, apart=factor)) for factor in (0.9, 1.0)] == [2, 1]
+    force[295:320] = 0.0
+    assert len(strikes_of(t, {"front": force})) == 1
+
+
 def test_a_strike_that_is_not_over_at_the_end_is_cut():
     force = np.zeros(400)
     force[100:200] = 1e5

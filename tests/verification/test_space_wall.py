@@ -8,6 +8,7 @@ import pytest
 from space_vehicles import ANGLE, MASS, SPEED, axle, truck, truck_unit
 
 from solver.body import GRAVITY
+from solver.impact.strikes import nearest
 from solver.space import (
     OUTCOMES,
     UNDECIDED,
@@ -193,6 +194,32 @@ def test_stated_error_bounds_that_of_step_and_points(profile, height, count, mos
     lowest, error = lowest_wall(vehicle, wall, SPEED, ANGLE)
     true = lowest_walls(truck(), wall, SPEED, ANGLE, refine=4, finer=8)[0, 0]
     assert abs(lowest - true) <= error < 0.5
+
+
+@pytest.mark.parametrize(
+    ("profile", "height", "restitution"),
+    [("vertical", 0.9144, 0.225), ("vertical", 0.7, 0.0), ("new-jersey", 0.8, 0.225)],
+)
+def test_stated_errors_of_strikes_bound_those_against_a_finer_motion(profile, height, restitution):
+    """The finer motion has 1/8 of the step.
+
+    It has four times the points, and 1/5 of the time between rows.
+    """
+    strips = tuple(replace(strip, restitution=restitution) for strip in truck().strips)
+    arguments = replace(truck(), strips=strips), SpaceWall(height, profile, 0.35), SPEED, ANGLE
+    motion = solve_space(*arguments)
+    strikes = solve_space(*arguments, interval=5e-4, step=motion.step, points=motion.points).strikes
+    fine = solve_space(*arguments, interval=1e-4, step=motion.step / 8.0, points=4.0 * motion.points).strikes
+    errors, heavy = motion.strike_errors(strikes), 0.05 * max(strike.impulse for strike in strikes)
+    stated = [
+        (strike, error) for strike, error in zip(strikes, errors, strict=True) if strike.impulse > heavy
+    ]
+    assert len(stated) > 1
+    for strike, error in stated:
+        true = nearest(fine, strike)
+        for name, bound in error.items():
+            assert abs(getattr(strike, name) / getattr(true, name) - 1.0) <= bound, (strike, name)
+    assert max(stated, key=lambda pair: pair[0].impulse)[1]["impulse"] <= 0.02
 
 
 def test_outcome_within_two_millimetres_of_the_boundary_is_undecided():

@@ -4,11 +4,11 @@ A value that is not finite fails.
 """
 
 import math
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
+from solver.impact.strikes import nearest
 from tailslap.case import case, check
 from tailslap.case.impact import answers, error, run
 
@@ -123,10 +123,10 @@ def _sampling(outcome: run.ImpactOutcome) -> check.Evaluation:
 
     An error in proportion to their length is as large as that change.
     """
-    joined = replace(outcome.fe, strikes=outcome.fe.resampled(rows=2))
+    joined = outcome.fe.resampled(rows=2)
     changed = []
     for strike in error.assessed_strikes(outcome.fe):
-        same = error.nearest(joined, strike)
+        same = nearest(joined, strike)
         changed += [
             getattr(same, name) / getattr(strike, name) - 1.0 if same else math.inf
             for name in ("peak_force", "duration")

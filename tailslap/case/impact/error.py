@@ -11,6 +11,7 @@ import numpy as np
 
 from fem.plate import kinds
 from solver.impact import Strike
+from solver.impact.strikes import nearest
 from tailslap.case.impact.answers import MEAN_WINDOW, ImpactAnswer, heavy, mean_peak
 from tailslap.case.plate_input import refined
 from tailslap.scene.schema import Plate
@@ -138,15 +139,9 @@ def counterparts(one: ImpactAnswer, other: ImpactAnswer) -> list[Strike]:
     their order, further ones the nearest in time.
     """
     strikes, matched = assessed_strikes(one), heavy(other.strikes)[:2]
-    matched += [same for strike in strikes[2:] if (same := nearest(other, strike))]
+    matched += [same for strike in strikes[2:] if (same := nearest(other.strikes, strike))]
     agree = [strike.corner for strike in strikes] == [strike.corner for strike in matched]
     return matched if agree and is_finite(one) and is_finite(other) else []
-
-
-def nearest(other: ImpactAnswer, strike: Strike) -> Strike | None:
-    """Return the strike of the corner that is nearest in time."""
-    same = [candidate for candidate in other.strikes if candidate.corner == strike.corner]
-    return min(same, key=lambda candidate: abs(candidate.start - strike.start), default=None)
 
 
 def changes(one: ImpactAnswer, other: ImpactAnswer) -> dict[str, float]:

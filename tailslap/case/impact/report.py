@@ -188,7 +188,8 @@ class ImpactReport(FeReport):
     def tables(self) -> list[Table]:
         """Design loads, strikes, hinges, forces and errors."""
         outcome, space = self.outcome, self.outcome.fe_plan.case.space
-        strikes = replace(space.strikes if space else _strikes(outcome), notes=())
+        of_motion = strikes_table({"in space": space.strikes}) if space else _strikes(outcome)
+        strikes = replace(of_motion, notes=())
         first = short(_design_table(outcome)), strikes, hinges_table(outcome)
         return [*first, force_table(outcome), errors_table(outcome)]
 

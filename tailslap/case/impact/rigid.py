@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -510,7 +511,7 @@ class RigidImpact(Case):
         """Return strikes, peaks and end state, SI."""
         numbers = self.answer.numbers()
         if self.space:
-            numbers["space"] = self.space.numbers()
+            numbers |= {"space": self.space.numbers(), "strikes": self.space.strikes}
         elif self.trailers:
             numbers["error"] = self.motion.error
         numbers["impact_severity"] = self.impact_severity
@@ -541,7 +542,8 @@ class RigidImpact(Case):
         """Return the lines on strikes."""
         answer = self.answer
         lines = ["Strikes"] if answer.strikes else ["no strike"]
-        for strike in answer.strikes:
+        errors = [strike["error"] for strike in self.space.strikes] if self.space else []
+        for strike, error in zip_longest(answer.strikes, errors):
             peak, impulse = (
                 shown(value, unit, units, digits=DIGITS)
                 for value, unit in ((strike.peak_force, "N"), (strike.impulse, "N s"))
@@ -549,6 +551,9 @@ class RigidImpact(Case):
             least = "at least " if strike.cut else ""
             when = f"from {strike.start:.4f} s for {least}{strike.duration:.4f} s"
             lines.append(f"  {strike.corner:<16} {when}: peak {least}{peak}, impulse {least}{impulse}")
+            if error:
+                stated = (f"{name.partition('_')[0]} {percent_up(value)}" for name, value in error.items())
+                lines.append(f"{'':<18} error at most: {', '.join(stated)}")
         return lines
 
     def _plane_text(self, units: str) -> list[str]:

@@ -24,7 +24,7 @@ from solver.space.vehicle import (
 )
 from tailslap import progress
 from tailslap.case.impact import design, space_figures
-from tailslap.case.impact.answers import ImpactAnswer
+from tailslap.case.impact.answers import ImpactAnswer, heavy, strike_numbers
 from tailslap.case.impact.rigid_input import SENSOR_HEIGHT, sensor_position
 from tailslap.case.report_parts import strikes_table
 from tailslap.scene.schema import Scene, value_at
@@ -186,10 +186,15 @@ class SpaceAnswer:
         h |= {f"articulation_{k}": angles[k] - angles[k - 1] for k in range(1, len(ends))}
         return ImpactAnswer(motion.strikes, h, len(ends))
 
-    @property
-    def strikes(self) -> Table:
-        """Strikes of the motion."""
-        return strikes_table({"in space": self.answer.numbers()["strikes"]})
+    @cached_property
+    def strikes(self) -> list[dict[str, Any]]:
+        """Return strikes with stated errors of heavy ones, SI."""
+        strikes = self.answer.strikes
+        errors, weighty = self.motion.strike_errors(strikes), heavy(strikes)
+        return [
+            strike_numbers(strike) | {"error": error if strike in weighty else None}
+            for strike, error in zip(strikes, errors, strict=True)
+        ]
 
     @property
     def curves(self) -> dict[str, dict[str, np.ndarray]]:
@@ -258,7 +263,7 @@ class SpaceAnswer:
                 "direction": float(result.exit_direction),
                 "yaw": float(result.exit_yaw),
             },
-            "strikes": self.answer.numbers()["strikes"],
+            "strikes": self.strikes,
             "end": float(result.end),
             "lifted": self.lifted,
             "energy": {name: float(history[name][-1]) for name in works},
@@ -387,5 +392,10 @@ def section(answer: SpaceAnswer) -> Section:
     """Return the section of a page."""
     charts = space_figures.charts(answer.inputs.vehicle, answer.inputs.wall, answer.motion, answer.lifted)
     return Section(
-        TITLE, "", charts, [answer.strikes, Table(LIMIT_COLUMNS, LIMITS)], answer.sentences, "wide"
+        TITLE,
+        "",
+        charts,
+        [strikes_table({"in space": answer.strikes}), Table(LIMIT_COLUMNS, LIMITS)],
+        answer.sentences,
+        "wide",
     )
