@@ -32,7 +32,7 @@ import command_line
 
 from solver.body import GRAVITY
 from solver.space import SpaceAxle, SpaceStrip, SpaceVehicle, SpaceWall, solve_space
-from solver.space.vehicle import AXLE_GYRATION
+from solver.space.columns import AXLE_GYRATION
 from tailslap.case.impact.space import space_input
 from tailslap.scene.read import read_scene
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -242,7 +243,13 @@ def test_vehicle_that_dwells_near_balance_is_undecided(height, outcome):
     Four points of a strip tip it, sixteen do not. Before, it was "on its side": step, points and walls 2 mm away agree.
     """
     unit = SpaceUnit(7.626, 2.3, 11438.0, 3.678, 1.3267, 19061.0, 54603.0, 60479.0)
-    common = {"track": 1.9182, "radius": 0.5, "spacing": 1.08, "damping_ratio": 0.142, "roll_centre": 0.5294}
+    common: dict[str, Any] = {
+        "track": 1.9182,
+        "radius": 0.5,
+        "spacing": 1.08,
+        "damping_ratio": 0.142,
+        "roll_centre": 0.5294,
+    }
     axles = [
         SpaceAxle(place, mass=mass, spring=spring, tyre=tyre, friction=0.0, **common)
         for place, mass, spring, tyre in (
