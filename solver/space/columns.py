@@ -114,7 +114,7 @@ def fill_sample(values, fleet, i):
 
 @compiled
 def _sprung(values, fleet, i, u):
-    """Return the sprung mass with its place ahead of the front and height."""
+    """Return the sprung mass, its place and height."""
     unit = values.units[i, u]
     unsprung, along, up = 0.0, 0.0, 0.0
     for a in range(fleet.axle_unit.size):

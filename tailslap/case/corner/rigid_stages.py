@@ -242,7 +242,7 @@ class RigidStages(case.Case):
         return f"{first}{self._whole_impact()}"
 
     def _whole_impact(self) -> str:
-        """Return the force of the whole impact of a shipped vehicle, or ""."""
+        """State the force of a shipped vehicle's whole impact, if any."""
         name = f"impact-{self.scene.name}"
         if name not in shipped_scenes() or self.changes:
             return ""

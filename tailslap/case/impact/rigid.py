@@ -429,7 +429,7 @@ class RigidImpact(Case):
         return " ".join([first, *further])
 
     def scene_force(self, answer: answers.ImpactAnswer) -> tuple[float, str]:
-        """Return the largest 50 ms mean [N], and with its place in words.
+        """Return the largest 50 ms mean [N], and in words.
 
         They say so if it equals a plateau.
         """
