@@ -140,10 +140,10 @@ function answer(ends, name) {
   const peak = motion.peaks[2], strikes = motion.strikes, load = scene().compared;
   const largest = strikes.reduce((best, one, k) => one.mean > strikes[best].mean ? k : best, 0), one = strikes[largest];
   const least = strikes.some((strike) => strike.cut) ? "at least " : "", equal = plateaus().some((one) => Math.abs(peak / one - 1) <= data.rounding);
-  const ratio = (mean, span) => load ? `, ${digits(mean / load[1], 2)}${span} times ${load[0]} (${force(load[1])})` : "";
+  const ratio = (mean, span) => load ? `, ${(mean / load[1]).toPrecision(2)}${span} times ${load[0]} (${force(load[1])})` : "";
   let text = `${data.force}: `;
   if (ends) {
-    const span = load ? ` (${[ends[0], ends[2]].map((end) => digits(end / load[1], 2)).join(" to ")})` : "";
+    const span = load ? ` (${[ends[0], ends[2]].map((end) => (end / load[1]).toPrecision(2)).join(" to ")})` : "";
     text += `median ${force(ends[1])}; ${name}: ${force(ends[0], false)} to ${force(ends[2])}${ratio(ends[1], span)}. ${data.of_scene}`;
   }
   text += `${least}${force(peak)} in strike ${largest + 1} (${scene().parts[one?.group]}, from ${one?.start.toFixed(3)} s)`
