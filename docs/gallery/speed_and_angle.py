@@ -1,6 +1,6 @@
 """Peak force over speed and angle
 
-Rigid-body method for 240 combinations.
+Rigid-body method for 96 combinations.
 """
 
 import matplotlib.pyplot as plt
@@ -8,7 +8,7 @@ import numpy as np
 
 import tailslap
 
-speeds, angles = np.linspace(40.0, 110.0, 20), np.linspace(5.0, 25.0, 12)
+speeds, angles = np.linspace(40.0, 110.0, 12), np.linspace(5.0, 25.0, 8)
 forces = [
     [
         tailslap.rigid("mash-tl4-sut", {"impact.speed": f"{v} km/h", "impact.angle": f"{a} deg"}).summary[

@@ -12,6 +12,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -98,6 +99,7 @@ def _join(text: str, at: int) -> tuple[int, int]:
     return match.end(), -1 if match[1] == "/" else 1
 
 
+@lru_cache(1024)
 def to_si(text: str) -> tuple[float, Dimension]:
     """Return the factor to SI and the dimension of a unit.
 

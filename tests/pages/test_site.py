@@ -26,7 +26,10 @@ from tailslap.cli import commands, main
 from tailslap.result import result
 from tailslap.scene import read
 from tailslap.scene.schema import MEANINGS, Scene, SceneTable
+from tailslap.studies.parapet import parapet_study
+from tailslap.studies.tipping import tipping_study
 from tailslap.validation import outcomes, predictions
+from tailslap.wall_strength import report as wall_report
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -62,9 +65,19 @@ FRAGMENTS = {"docs/impact.md": "impact-mash-tl4-sut"}
 FAILING = ("plate.lumping=row-sum", "plate.start=unstressed")
 """Changes with which, by the page, a check fails."""
 
+SMALLER: tuple[tuple[object, dict[str, object]], ...] = (
+    (predictions, {"SAMPLES": 8, "SAMPLES_IN_SPACE": 8}),
+    (outcomes, {"SAMPLES": 8}),
+    (parapet_study, {"HEIGHTS": (1.0,), "LENGTHS": (1.0,), "DISTANCES": (0.0, 3.0), "TOLERANCE": 0.2}),
+    (wall_report, {"ALLOWED": dict.fromkeys(wall_report.ALLOWED, 0.2)}),
+    (tipping_study, {"POINTS": 3, "LINE_CENTRES": 2, "LINE_SAMPLES": 4, "LINE_WALLS": 1, "WALLS": ()}),
+)
+"""Samples, points and accuracy of commands; their tests have them as a user has."""
+
 SHORTENED = {
     "tailslap explore impact-mash-tl4-sut": " --headless",
     "tailslap confirm paper-table-3": " --set plate.elements=[4,2]",
+    "tailslap modes paper-table-3": " --count 2",
     "tailslap study stability paper-table-3": " --random 2",
     "tailslap study stability impact-mash-tl4-sut": " --points 2",
     "tailslap study flexibility mash-tl4-sut": " --points 4 --lowest 4 --highest 30",
@@ -74,7 +87,7 @@ SHORTENED = {
 }
 """What is added to commands that take long; `--random 100` becomes 2."""
 
-SHORT = re.compile("confirm|uncertainty|flexibility")
+SHORT = re.compile("confirm|modes|uncertainty|flexibility")
 FIELDS = "output.fields=20"
 """Option of a page whose pictures are of fewer instants here."""
 
@@ -359,14 +372,15 @@ def folder(tmp_path_factory):
 def test_a_page_runs(page, folder, monkeypatch):
     """Commands of a page run, without the large campaigns.
 
-    Long studies compute one part, large sweeps the corners, `validate` a few samples. One run draws pictures. Random
+    Long studies compute one part, large sweeps the corners, others what `SMALLER` says. One run draws pictures. Random
     cells compile loops of their own: `test_a_long_command_runs` has them, and the flexibility of a constrained corner.
     """
     place, commands_run = folder
     monkeypatch.chdir(place)
     monkeypatch.setattr(engine, "run_parts", one_for_all)
-    for module in (predictions, outcomes):
-        monkeypatch.setattr(module, "SAMPLES", 8)
+    for module, constants in SMALLER:
+        for name, value in constants.items():
+            monkeypatch.setattr(module, name, value)
     namespace = {"__name__": "__main__"}
     for step in SHOWN[page]:
         text = re.sub(r":\d+(?= |$)", ":2", step.text) if LONG.search(step.text) else step.text

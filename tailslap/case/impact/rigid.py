@@ -137,7 +137,7 @@ class RigidImpact(Case):
         if self.scene.impact is None or self.scene.contact is None:
             raise InputError("contact", Missing, "a whole impact needs this table and [impact]")
         _ = self.touch
-        assert self.space or self.motion.strikes or self.scene.time.end
+        assert self.space_input or self.motion.strikes or self.scene.time.end
 
     @cached_property
     def vehicle(self) -> impact.ImpactVehicle:
