@@ -1,9 +1,10 @@
-"""Verify pages of the docs in Chromium."""
+"""Verify that the site of the docs builds, and its pages in Chromium."""
 
 import contextlib
 import functools
 import http.server
 import importlib.util
+import re
 import subprocess
 import sys
 import threading
@@ -13,11 +14,12 @@ import pytest
 from browser import screen
 from browser.session import CHROMIUM, chromium
 
+import tailslap
+
 ROOT = Path(__file__).parents[2]
 
 MISSING = [name for name in ("playwright", "axe_playwright_python") if importlib.util.find_spec(name) is None]
 MISSING += [] if CHROMIUM.exists() else [str(CHROMIUM)]
-pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"not installed: {MISSING}")
 
 PAGES = ("", "gallery/", "theory/rigid/", "modal/", "reference/scene/", "howto/python/", "accuracy/")
 GROUNDS = {"light": "rgb(255, 255, 255)", "dark": "rgb(30, 33, 41)"}
@@ -31,12 +33,21 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory):
-    """Address of the site."""
+def folder(tmp_path_factory):
+    """Folder of the site, built without network and without a warning."""
     place = tmp_path_factory.mktemp("site")
-    command = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--site-dir", str(place)]
-    subprocess.run(command, cwd=ROOT, check=True)
-    handler = functools.partial(Quiet, directory=str(place))
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(place)]
+    nowhere = dict.fromkeys(("http_proxy", "https_proxy"), "http://127.0.0.1:9")
+    environment = {"PATH": "/usr/bin:/bin"} | nowhere
+    process = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env=environment)
+    assert process.returncode == 0, process.stdout + process.stderr
+    return place
+
+
+@pytest.fixture(scope="module")
+def site(folder):
+    """Address of the site."""
+    handler = functools.partial(Quiet, directory=str(folder))
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{server.server_port}/"
@@ -45,8 +56,37 @@ def site(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def browser():
+    if MISSING:
+        pytest.skip(f"not installed: {MISSING}")
     with chromium() as started:
         yield started
+
+
+def test_the_site_has_its_pages_pictures_and_no_foreign_link(folder):
+    assert (folder / "reference" / "scene" / "index.html").is_file()
+    assert not (folder / "generate.py").exists()
+    texts = {page.parent.name: page.read_text(encoding="utf-8") for page in folder.rglob("*.html")}
+    link = r'<(?:script|link|img)[^>]+(?:src|href)="(?:https?:)?//'
+    assert [name for name, text in texts.items() if re.search(link, text)] == []
+    assert not re.search(r"@import|url\((?:https?:)?//", (folder / "style.css").read_text(encoding="utf-8"))
+    assert all(f"tailslap {tailslap.__version__}" in text for text in texts.values())
+    demand_equations(texts)
+    scripts = {path.stem for path in (ROOT / "docs" / "gallery").glob("*.py")}
+    pictures = re.findall(r'<img alt="[^"]{10,}" src="(\w+)\.(?:png|svg)"', texts["gallery"])
+    assert set(pictures) == {path.stem for path in (folder / "gallery").glob("*.[ps][nv]g")} == scripts
+    assert len(pictures) == texts["gallery"].count('class="language-python highlight"') == 12
+
+
+EQUATIONS = {"rigid", "plate", "inertia-relief", "flutter", "contact", "modal", "tipping", "parapet"}
+
+
+def demand_equations(texts):
+    """Equations are MathML without unknown or remaining TeX."""
+    counts = {name: len(re.findall("<math ", text)) for name, text in texts.items() if "<math " in text}
+    assert counts.keys() == EQUATIONS
+    assert min(counts.values()) > 5
+    for text in texts.values():
+        assert not re.search(r"arithmatex|\$\$|<m[a-z]+>(?:\\|&(?!#x|[a-z]+;))", text)
 
 
 @contextlib.contextmanager
