@@ -136,18 +136,19 @@ def _refusal(kind: Any, marks: Iterable[Any]) -> str:
 def results_page() -> str:
     """Files and columns."""
     from postprocess.fields.series import ELEMENTS, NODES
-    from tailslap.result.columns import corner_columns, impact_columns, train_columns
+    from tailslap.result.columns import corner_columns, impact_columns, sensor_columns, train_columns
 
     columns = {
         "history.csv and rigid.csv of a constrained corner": corner_columns(),
         "history.csv and rigid.csv of a whole impact": impact_columns(),
         "Additional columns of a train": train_columns(),
+        "Additional columns with a sensor": sensor_columns(),
     }
     parts = ["# Result files and columns", "", RESULTS_INTRODUCTION, "", table(("file", "contents"), FILES)]
     keys = [(f"`{key}`", unit, meaning) for key, unit, meaning in SUMMARY]
     parts += ["## summary.json", "", SUMMARY_NOTE, "", table(("key", "unit", "contents"), keys)]
     for title, registry in columns.items():
-        parts += [f"## {title}", "", *([OF_TRAINS, ""] if "a train" in title else [])]
+        parts += [f"## {title}", "", *([NOTES[title], ""] if title in NOTES else [])]
         rows = [(f"`{c.name}`", c.unit, c.meaning or c.caption) for c in registry.values()]
         parts += [table(("column", "unit", "meaning"), rows)]
     fields = [(f"`{n}`", "nodes", u) for n, u in NODES.items()]
@@ -163,9 +164,14 @@ def results_page() -> str:
     return "\n".join(parts)
 
 
-OF_TRAINS = """Columns of the motion without a number refer to the first unit, `x_g_2` etc. to the second.
-`force_normal_1` is the force of the wall on the first unit, `hinge_force_x_1` the force of the first hinge. Forces and
-energies without a number are those of the whole train."""
+NOTES = {
+    "Additional columns of a train": """Columns of the motion without a number refer to the first unit,
+`x_g_2` etc. to the second. `force_normal_1` is the force of the wall on the first unit, `hinge_force_x_1` the force of
+the first hinge. Forces and energies without a number are those of the whole train.""",
+    "Additional columns with a sensor": """Of scenes with `[sensor]`. The largest 50 ms mean of
+`sensor_acceleration` times the mass is `inertial.mean_50ms`: with `[body]` in `space.csv`, else in `rigid.csv`. In
+`history.csv` the sensor is a point of the plate's motion without its vibration.""",
+}
 RESULTS_INTRODUCTION = """All numbers are in SI. Numbers that are not finite are empty entries in CSV and null in JSON
 and Parquet. The columns of the rigid vehicle have the same names and instants; quantities without a rigid-body
 equivalent, e.g. strain energy, are 0 or absent.
@@ -324,6 +330,7 @@ FILES = (
     ),
     ("`history.csv`", "history of the FE run, one row per instant"),
     ("`rigid.csv`", "history of the rigid vehicle at the same instants"),
+    ("`space.csv`", "history of the rigid vehicle in space, with `[body]` and `[sensor]`"),
     ("`report.html`", "report"),
     ("`set-up.svg`", "drawing of the set-up, to scale"),
     ("`theta.svg`, `omega.svg` and so on", "charts of the report"),

@@ -80,11 +80,14 @@ def run(
     """
     size, case = picture_pixels(picture_size), affordable_case(scene, changes, allow_large)
     report = case.report(case.run(tolerance), _force_band(case, band))
+    histories = report.histories
     partial = result.Result(
         "run",
         case.scene.name,
         {},
-        histories={label: columns.history(report.histories[name]) for label, name in load.FILES.items()},
+        histories={
+            label: columns.history(histories[name]) for label, name in load.FILES.items() if name in histories
+        },
         fill=result.filled_by(
             lambda place, pictures, units: report.written(place, pictures, SYSTEMS[units], size)
         ),

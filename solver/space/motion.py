@@ -136,7 +136,7 @@ def column_names(units: int, axles: int) -> tuple[str, ...]:
     ends = ("", *(f"_{unit}" for unit in range(2, units + 1)))
     poses = [f"{name}{end}" for end in ends for name in state.POSE]
     wheels = [f"{name}_{axle}" for axle in range(1, axles + 1) for name in state.WHEELS]
-    return (*state.FORCES, *state.WORKS, *state.ENERGIES, *poses, *wheels)
+    return (*state.FORCES, *state.SENSOR, *state.WORKS, *state.ENERGIES, *poses, *wheels)
 
 
 def push_names(vehicle: SpaceVehicle) -> tuple[str, ...]:
@@ -237,6 +237,8 @@ def solve_space(
 
     instants: Array = interval * np.arange(len(table), dtype=np.float64)
     history = {"t": instants, **dict(zip(names, table.T, strict=False))}
+    if vehicle.sensor is None:
+        history = {name: column for name, column in history.items() if name not in state.SENSOR}
     return SpaceMotion(
         UNDECIDED if outcomes - {one.outcome} or parting > BALANCE else OUTCOMES[one.outcome],
         SpaceAnswers(*(values[0] for values in answers)),

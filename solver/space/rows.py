@@ -70,18 +70,18 @@ def _add_largest(windows, column, window, sums):
 
 @compiled
 def record(units, axles, axle_unit, work, first, parts, row):
-    """Fill this instant's row except for the sums of forces.
+    """Fill this instant's row except for its first columns.
 
     Works have half of the change in this step at the instant.
     """
     for j in range(6, 10):
-        row[j] = work.before[j] + (0.0 if first else 0.5 * (work.sums[j] - work.before[j]))
+        row[j + 1] = work.before[j] + (0.0 if first else 0.5 * (work.sums[j] - work.before[j]))
     pushes = row[row.size - work.pushes.shape[0] :]
     for p in range(pushes.size):
         push = work.pushes[p]
         end_row(push[col.PUSH :], push[col.BEFORE :], first, parts, pushes[p : p + 1])
     kinetic, gravity, spring, tyre = 0.0, 0.0, 0.0, 0.0
-    column = 14
+    column = 15
     for u in range(units.shape[0]):
         body, b = units[u], work.bodies[u]
         wx, wy, wz = b[col.NOW + 3], b[col.NOW + 4], b[col.NOW + 5]
@@ -115,7 +115,7 @@ def record(units, axles, axle_unit, work, first, parts, row):
             tyre += 0.5 * q[col.WHEEL + side] * q[col.WHEEL + side] / axle[col.TYRE]
             row[column + side], row[column + 2 + side] = q[col.WHEEL + side], q[col.JOINT + side]
         column += 4
-    row[10], row[11], row[12], row[13] = kinetic, gravity, spring, tyre
+    row[11], row[12], row[13], row[14] = kinetic, gravity, spring, tyre
 
 
 @compiled

@@ -77,9 +77,12 @@ FORCES = (
 )
 ENERGIES = ("kinetic_energy", "gravity_energy", "spring_energy", "tyre_energy")
 POSE = ("x_g", "y_g", "z_g", "yaw", "pitch", "roll", "v_gx", "v_gy", "v_gz", "omega_x", "omega_y", "omega_z")
+SENSOR = ("sensor_velocity",)
+"""Velocity of the first unit's sensor away from the wall at the instant [m/s]."""
+
 WHEELS = ("load_right", "load_left", "heave", "axle_roll")
-"""Columns of a row: `FORCES`, `WORKS`, `ENERGIES`, then `POSE` of each unit, `WHEELS` of each axle, and the lateral
-force on the right and on the left one of each strip [N]."""
+"""Columns of a row: `FORCES`, `SENSOR`, `WORKS`, `ENERGIES`, then `POSE` of each unit, `WHEELS` of each axle, and the
+lateral force on the right and on the left one of each strip [N]."""
 
 OUTCOME, ROLL, ROLL_TIME, PITCH, PITCH_TIME, MEAN, MEAN_TIME, MEAN_ALONG, MEAN_UP = range(9)
 CENTRE_HEIGHT, CONTACT_LENGTH, MOMENT_MEAN, MOMENT_HEIGHT, MOMENT_LENGTH, RAW = range(9, 15)
@@ -116,7 +119,7 @@ cosine and sine of the roll.
 
 
 SENSED = 6
-"""Column of a row's means with the velocity of the first unit's sensor away from the wall at its instant [m/s]."""
+"""Column of `SENSOR` in a row and in the rows of means."""
 
 
 class Fleet(NamedTuple):
@@ -193,10 +196,10 @@ def workspace(units: int, axles: int, strips: int, points: int, facets: int, row
 
 def row_columns(units: int, axles: int, strips: int) -> int:
     """Return the number of columns of a row."""
-    return len(FORCES + WORKS + ENERGIES) + len(POSE) * units + len(WHEELS) * axles + 2 * strips
+    return len(FORCES + SENSOR + WORKS + ENERGIES) + len(POSE) * units + len(WHEELS) * axles + 2 * strips
 
 
 def rolls(units: int) -> slice:
     """Return the columns of a row with the rolls of all units."""
-    first = len(FORCES + WORKS + ENERGIES)
+    first = len(FORCES + SENSOR + WORKS + ENERGIES)
     return slice(first + POSE.index("roll"), first + len(POSE) * units, len(POSE))

@@ -136,7 +136,7 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
             )
             if row < rows.shape[0]:
                 record(units, axles, fleet.axle_unit, work, k == 0, parts, rows[row])
-                for j in range(6):
+                for j in range(col.SENSED + 1):
                     rows[row, j] = work.windows[row, j]
             row += 1
         is_last = t >= clock.longest * (1.0 - 1e-12)

@@ -187,12 +187,27 @@ def train_columns() -> dict[str, HistoryColumn]:
     return {column.name: column for column in columns}
 
 
+def sensor_columns() -> dict[str, HistoryColumn]:
+    """Return the additional columns with [sensor]."""
+    columns = (
+        HistoryColumn(
+            "sensor_velocity", "m/s", meaning="velocity of the sensor normal to the wall, negative towards it"
+        ),
+        HistoryColumn(
+            "sensor_acceleration",
+            "m/s^2",
+            meaning="lateral acceleration of the sensor, mean since the previous row, 0 in the first row",
+        ),
+    )
+    return {column.name: column for column in columns}
+
+
 def column_units(names: Iterable[str]) -> dict[str, str]:
     """Return SI units of columns by name.
 
     Names may end with the number of a unit of a train. Unknown names are omitted.
     """
-    columns = train_columns() | impact_columns() | corner_columns()
+    columns = train_columns() | sensor_columns() | impact_columns() | corner_columns()
     described = {name: columns.get(re.sub(r"_[1-8]$", "", name)) for name in names}
     return {name: column.unit for name, column in described.items() if column}
 

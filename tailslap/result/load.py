@@ -23,7 +23,7 @@ from tailslap.storage import folder, manifest
 Read = TypeVar("Read")
 
 SWEEP, SUMMARY = "sweep.parquet", "summary.json"
-FILES = {result.FE: "history.csv", result.RIGID: "rigid.csv"}
+FILES = {result.FE: "history.csv", result.RIGID: "rigid.csv", result.SPACE: "space.csv"}
 
 
 class Stored:

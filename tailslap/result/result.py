@@ -38,6 +38,7 @@ Fill = Callable[[Path, bool, str], "Report | None"]
 """Writes the files of a result to an empty folder, with or without pictures, in units "si" or "us"."""
 
 RIGID: str = "rigid"
+SPACE: str = "space"
 FE: str = "FE"
 
 MOST = 4

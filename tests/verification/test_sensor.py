@@ -6,6 +6,7 @@ a rigid body from the history.
 
 import numpy as np
 import pytest
+from numpy.lib.stride_tricks import sliding_window_view
 from sampled_impacts import sampled_impacts
 from scipy.spatial.transform import Rotation
 
@@ -59,6 +60,26 @@ def test_in_space_the_sensor_is_a_point_of_the_body(position, height):
     mean = (speed[ROWS:] - speed[:-ROWS]).max() / 0.05
     assert one.inertial["mean_50ms"] == pytest.approx(9979.0 * mean, rel=1e-3)
     assert one.inertial["height"] == height
+
+
+@pytest.mark.parametrize(("name", "label"), [(IMPACT, "rigid"), (SPACE, "space")])
+def test_files_have_the_motion_of_the_sensor(name, label, tmp_path):
+    """Mass times the largest 50 ms mean of a file's acceleration is the printed force.
+
+    Without [sensor] a file has none.
+    """
+    columns, changes = {"sensor_velocity", "sensor_acceleration"}, ["sensor.position=4", "time.end=0.4"]
+    result = tailslap.run(name, [*changes, "plate.elements=[20, 6]"], band=False)
+    result.save(tmp_path / "out", pictures=False)
+    histories = tailslap.load(tmp_path / "out").histories
+    assert all(columns <= set(history) for history in histories.values())
+    assert not columns & set(case(name).rigid_history())
+    h = histories[label]
+    rows = round(0.05 / h["t"][1])
+    mean = sliding_window_view(h["sensor_acceleration"], rows).mean(axis=1).max()
+    assert case(name).vehicle.mass * mean == pytest.approx(result.summary["inertial"]["mean_50ms"], rel=1e-3)
+    gain = h["sensor_velocity"][-1] - h["sensor_velocity"][0]
+    assert h["sensor_acceleration"].sum() * h["t"][1] == pytest.approx(gain, rel=1e-9)
 
 
 def test_an_assumed_place_is_called_assumed():

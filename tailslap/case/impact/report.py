@@ -123,10 +123,15 @@ class ImpactReport(FeReport):
 
     @property
     def histories(self) -> dict[str, dict[str, NDArray[np.float64]]]:
-        """Histories of plate and rigid vehicle by file name, shape (rows,)."""
-        h = self.outcome.fe.columns
+        """Histories of plate and rigid vehicle by file name, shape (rows,).
+
+        With [sensor] also that of the vehicle in space.
+        """
+        case = self.outcome.fe_plan.case
+        h = case.recorded(self.outcome.fe)
         ordered = {name: h[name] for name in FIRST} | h | {"energy_error": checks.energy_error(self.outcome)}
-        return {"history.csv": ordered, "rigid.csv": self.outcome.rigid.columns}
+        in_space = {"space.csv": case.rigid_history()} if case.space and case.scene.sensor else {}
+        return {"history.csv": ordered, "rigid.csv": case.recorded(self.outcome.rigid), **in_space}
 
     @property
     def sections(self) -> list[Section]:

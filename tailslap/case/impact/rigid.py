@@ -79,6 +79,9 @@ OF_CRUSH = {
 }
 """Quantities of [contact] beside the stiffness, in words."""
 
+SENSOR = "sensor_velocity"
+"""Column of a history with the velocity of the sensor away from the wall."""
+
 INTERVAL = 5e-4
 """Time between rows of the forces of many impacts [s]: peaks of a 50 ms mean are within 1e-4."""
 
@@ -337,12 +340,31 @@ class RigidImpact(Case):
             is_assumed = not is_placed or sensor is None or sensor.height is None
             mean = float(self.space.motion.answers.inertial_50ms)
             return {"mean_50ms": mean, "position": position, "height": height, "assumed": is_assumed}
-        position, h = float(sensor_position(self.scene, {})), self.in_plane.history
-        arm = self.vehicle.front_distance - position
-        speed = h["v_gy"] + h["omega"] * arm * np.cos(h["theta"])
+        position, speed = float(sensor_position(self.scene, {})), self._sensor_velocity(self.in_plane)
         force = self.vehicle.mass * np.diff(speed) / self.in_plane.interval
         mean = float(force_curves(force, self.in_plane.interval, ("mean_50ms",))["mean_50ms"].max())
         return {"mean_50ms": mean, "position": position, "assumed": not is_placed}
+
+    def _sensor_velocity(self, answer: answers.ImpactAnswer) -> np.ndarray:
+        """Return the velocity of the sensor away from the wall [m/s]."""
+        h = answer.history
+        if answer.in_space:
+            return h[SENSOR]
+        arm = self.vehicle.front_distance - float(sensor_position(self.scene, {}))
+        speed: np.ndarray = h["v_gy"] + h["omega"] * arm * np.cos(h["theta"])
+        return speed
+
+    def recorded(self, answer: answers.ImpactAnswer) -> dict[str, np.ndarray]:
+        """Return the columns of a file, with [sensor] also its own.
+
+        Its acceleration [m/s^2] is the mean since the row before, 0 in the first row.
+        """
+        columns = {name: column for name, column in answer.columns.items() if name != SENSOR}
+        if self.scene.sensor is None:
+            return columns
+        speed = self._sensor_velocity(answer)
+        acceleration = np.diff(speed, prepend=speed[:1]) / answer.interval
+        return columns | {SENSOR: speed, "sensor_acceleration": acceleration}
 
     @property
     def inertial_mean(self) -> float | None:
@@ -505,7 +527,7 @@ class RigidImpact(Case):
 
     def rigid_history(self) -> dict[str, np.ndarray]:
         """Return columns of the impact by name, SI."""
-        return self.answer.columns
+        return self.recorded(self.answer)
 
     def rigid_numbers(self) -> dict[str, Any]:
         """Return strikes, peaks and end state, SI."""
