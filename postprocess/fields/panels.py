@@ -15,10 +15,10 @@ from postprocess.fields.contours import forms, save
 
 Floats = NDArray[np.float64]
 
-WIDTH, ROOM = 1600, 130
+WIDTH, ROOM = 1200, 110
 """Width of a picture, and height of a panel beyond that of its field [pixels]."""
 
-LEFT, PART = 60.0, 0.8
+LEFT, PART = 40.0, 0.78
 """Place of a field from the left [pixels], and its largest part of the width."""
 
 BANDS, SCALE_WIDTH, LABELS = 12, 44.0, 5
@@ -33,7 +33,8 @@ class FieldPanel(NamedTuple):
     """Field of values at the corners of triangles, and lines.
 
     corners: x, y by triangle, shape (t, 3, 2) [m]; values: shape (t, 3); limits: of colours; lines: pairs of ends,
-    shape (n, 2, 2) [m], with their widths over the largest, negative in another colour, shape (n,).
+    shape (n, 2, 2) [m], with their widths over the largest, negative in another colour, shape (n,); load: ends of a
+    loaded line, shape (2, 2) [m], None without one.
     """
 
     title: str
@@ -43,6 +44,7 @@ class FieldPanel(NamedTuple):
     colours: str
     lines: Floats
     widths: Floats
+    load: Floats | None = None
 
 
 def draw_panels(path: Path, panels: Sequence[FieldPanel]) -> Path:
@@ -82,6 +84,8 @@ def _draw(canvas: Canvas, panel: FieldPanel, top: float, height: int) -> None:
         for least, most, width in ((THIN, THICK, 2.0), (THICK, np.inf, 5.0)):
             chosen = (sign * panel.widths >= least) & (sign * panel.widths < most)
             canvas.lines(pixel(panel.lines[chosen]), width, colour, 2.0)
+    if panel.load is not None:
+        canvas.lines(pixel(panel.load), 9.0, "ink", 3.0)
     _draw_scale(canvas, panel, style, corner + np.array([PART * WIDTH + 70.0, 0.0]), factor * span[1])
     canvas.write(panel.title, (LEFT, top), (0.0, -1.7 * TEXT), is_bold=True)
 

@@ -28,9 +28,9 @@ def with_pictures(report: Report, rows: list[Computed], folder: Path) -> Report:
             warnings.warn(f"no pictures are drawn: {error}", stacklevel=2)
             return report
         caption = (
-            f"{row.place.capitalize()}, seen from the traffic: mechanism of the upper bound with its yield lines, red "
-            "with tension on the traffic face, blue on the back; moments of the lower bound, upright and along the "
-            "wall; largest moment over strength."
+            f"{row.place.capitalize()}, seen from the traffic, black the load: mechanism of the upper bound with its "
+            "yield lines, red with tension on the traffic face, blue on the back; moments of the lower bound, upright "
+            "and along the wall, positive with tension on the traffic face; largest moment over strength."
         )
         pictures.append(Picture(path, caption, dark_form(path)))
     sections = [*report.page.sections]
@@ -54,9 +54,18 @@ def _panels(row: Computed) -> list[FieldPanel]:
     corners, fields = mesh.p[:, mesh.t].transpose(2, 1, 0), below.p[:, below.t].transpose(2, 1, 0)
     none = np.empty((0, 2, 2)), np.empty(0)
     strongest = [float(row.plate.strengths[k : k + 2].max()) for k in (2, 0)]
+    assert row.plate.line
+    height, start, end = row.plate.line
     panels = [
         FieldPanel(
-            "Mechanism: deflection over the largest", corners, deflection, (0.0, 1.0), "Greys", lines, turned
+            "Mechanism: deflection over the largest",
+            corners,
+            deflection,
+            (0.0, 1.0),
+            "Greys",
+            lines,
+            turned,
+            np.array([[start, height], [end, height]]),
         )
     ]
     for title, number, strong in (

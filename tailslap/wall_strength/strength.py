@@ -15,7 +15,7 @@ from solver.parapet import Resistance, Strengths
 TOLERANCE, MOST_TRIANGLES = 0.01, 6000
 """Difference of the bounds that is aimed at [-], and the size of mesh from which on none is refined."""
 
-FINE, COARSE, CORNER = 0.25, 0.5, 0.03
+FINE, COARSE, CORNER = 0.25, 0.5, 0.06
 """Sizes of the first triangles at the load, elsewhere and at the foot of a free end, in heights of the wall [-].
 
 A fan of curvature begins at that foot.

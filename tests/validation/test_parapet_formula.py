@@ -4,18 +4,38 @@ import math
 
 import pytest
 
-from solver.parapet import punching, yield_line_resistance
+from solver.parapet import overhang_tension, punching, section_strengths, yield_line_resistance
 
 pytestmark = pytest.mark.validation
 
 
-def test_worked_example_of_a_barrier():
-    """MEMCALC_PRO_MAX (github.com/1xmanMAX), review of its bridges, "Barrera".
+@pytest.mark.parametrize(
+    ("wall", "base", "lengths", "force"),
+    [(4.35, 5.77, None, 38.8), (1.88, 5.64, (2.13, 7.38), 28.3)],
+)
+def test_worked_examples_of_a_barrier(wall, base, lengths, force):
+    """Interior of barriers with H 0.85 m, L_t 1.07 m, in t and m, to all digits.
 
-    H 0.85 m, L_t 1.07 m, M_c 5.77 t m/m, M_w H 4.35 t m: R_w 38.8 t, above F_t 24.5 t; inputs are rounded to 0.01.
+    MEMCALC_PRO_MAX (github.com/1xmanMAX), review of its bridges; DISENO_PUENTE_VIGA_1TRAMO (github.com/rsantiagojarah)
+    after Rodríguez Serquén, Puentes con AASHTO-LRFD (2020), which also states L_c and R_w/(L_c + 2 H).
     """
-    force = yield_line_resistance(0.85, 0.0, 4.35, 5.77, 1.07, "interior").force
-    assert round(force, 1) == 38.8
+    resistance = yield_line_resistance(0.85, 0.0, wall, base, 1.07, "interior")
+    assert round(resistance.force, 1) == force
+    if lengths:
+        tension = overhang_tension(resistance.force, resistance.critical_length, 0.85)
+        assert (round(resistance.critical_length, 2), round(tension, 2)) == lengths
+
+
+def test_worked_example_of_a_section():
+    """Part of that second barrier, 47 cm high, to all digits.
+
+    1.775 cm2 of bars, f_y 4200 and f_c 280 kg/cm2, d 10.58 cm: M 0.764 t m.
+    """
+    area = 1.775e-4 / 0.47
+    strengths = section_strengths(
+        [(0.0, 0.2), (0.47, 0.2)], 280e4, 4200e4, 0.2 - 0.1058, (area, area), (area, area)
+    )
+    assert round(strengths.wall / 1e3, 3) == 0.764
 
 
 @pytest.mark.parametrize(
