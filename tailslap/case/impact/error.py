@@ -55,8 +55,9 @@ NEAR = 0.9
 LATER = 1.1
 """Durations of a strike after which it is over on other meshes as well; it may last a little longer there."""
 
-FINER_UP_TO = 2000
-"""Largest number of elements of a third mesh, and of a chosen mesh that is refined."""
+FINER_UP_TO, FINEST_UP_TO = 2000, 4000
+"""Largest number of elements of a chosen mesh that is refined, and of a finest mesh before a check of one unit
+fails."""
 
 
 def assessed_strikes(answer: ImpactAnswer) -> list[Strike]:
@@ -126,10 +127,10 @@ def coarser(plate: Plate) -> Plate | None:
     return refined(plate, 0.5)
 
 
-def finer(plate: Plate) -> Plate | None:
-    """Return a mesh twice as fine, None if it is too large."""
+def finer(plate: Plate, most: int = FINER_UP_TO) -> Plate | None:
+    """Return a mesh twice as fine, None if it has more elements than `most`."""
     finest = refined(plate)
-    return finest if math.prod(finest.counts) <= FINER_UP_TO else None
+    return finest if math.prod(finest.counts) <= most else None
 
 
 def counterparts(one: ImpactAnswer, other: ImpactAnswer) -> list[Strike]:

@@ -213,8 +213,8 @@ def with_errors(outcome: ImpactOutcome, computed: Computed | None = None, meshes
     computed : dict
         Impacts on other meshes, used where they last long enough; others are added.
     meshes : int
-        With 3 a mesh finer than both is run where the error may then be within the limit and a coarser third is
-        impossible.
+        With 3 a mesh finer than both is run where the error may then be within the limit, and is not by a coarser
+        third.
     """
     limit, plate = outcome.fe_plan.case.scene.verify.mesh, outcome.fe_plan.plate
     computed = {} if computed is None else computed
@@ -230,10 +230,12 @@ def with_errors(outcome: ImpactOutcome, computed: Computed | None = None, meshes
         moved += [distances[-1] for distances in error.hinge_changes(outcome.fe, sequence)]
         if max(map(abs, moved), default=math.inf) <= limit < max(estimated.stated_errors.values()):
             if coarsest := error.coarser(coarse):
-                sequence.insert(0, _on(outcome, coarsest, computed, error.HALF))
-            elif meshes > 2 and (finest := error.finer(fine)):
-                sequence.append(_on(outcome, finest, computed))
-            estimated = _estimated(outcome, sequence, steps)
+                third = _on(outcome, coarsest, computed, error.HALF)
+                estimated = _estimated(outcome, [third, *sequence], steps)
+            most = error.FINER_UP_TO if outcome.fe.units > 1 else error.FINEST_UP_TO
+            is_above = max(estimated.stated_errors.values()) > limit
+            if meshes > 2 and is_above and (finest := error.finer(fine, most)):
+                estimated = _estimated(outcome, [*sequence, _on(outcome, finest, computed)], steps)
         return estimated
     return outcome
 
