@@ -8,28 +8,11 @@ Strip               points of equal length on a line; a point is pushed by the c
 
 import numpy as np
 
-from fem.laws.contact_forces import PointCrush, crush_line, loading_force
 from machine_code.compiled import inlined, reordered
 from solver.space import state as col
 from solver.space.dynamics import cross, rotated, turned_back
+from solver.space.points import EDGE, Crest, Ends, law_of, press_points
 from solver.space.stopping import add_sums, centripetal, normal_power, returns_nothing
-from solver.space.wall import mean_normal, point_of_face
-
-EDGE = 0.02
-"""Least half height of a point of a strip [m].
-
-Over it the point leaves the face at the top and at an edge of the profile.
-"""
-
-INWARD = 0.5 / EDGE
-"""Part of a point per distance from the edge, within which it lies on the top [1/m]."""
-
-AT_REST = 1e-9
-"""Distance from the deepest position within which a point rests there [m]."""
-
-STEEPEST, STICKING = 0.25, 0.25
-"""Limits of the slope of unloading times h^2, and of friction over sliding velocity times h, over the effective mass of
-a point: the force of a step does not reverse the motion that causes it."""
 
 
 @reordered
@@ -97,6 +80,14 @@ def press_strips(fleet, i, units, axles, strips, facets, work, h, ahead):
     return touching
 
 
+@inlined
+def _ends(strip, side, centre, q):
+    """Return positions and velocities of both ends, see `_end`."""
+    ax, ay, az, auy, auz = _end(strip, col.START, side, centre, q)
+    bx, by, bz, buy, buz = _end(strip, col.END, side, centre, q)
+    return Ends(ax, ay, az, bx, by, bz), Ends(0.0, auy, auz, 0.0, buy, buz)
+
+
 @reordered
 def _end(strip, at, side, centre, q):
     """Return position and velocity of an end of a strip.
@@ -121,142 +112,92 @@ def _press_strip(
     Returns True if a point touches. origin: place along the wall from which stations count; mobility, of_axle: inverse
     masses of the body at a point, and of the axle.
     """
-    ax, ay, az, auy, auz = _end(strip, col.START, side, centre, q)
-    bx, by, bz, buy, buz = _end(strip, col.END, side, centre, q)
-    sy, ey = (
-        b[3] * ax + b[4] * ay + b[5] * az + b[col.AT + 1],
-        b[3] * bx + b[4] * by + b[5] * bz + b[col.AT + 1],
-    )
-    toe, top, edge = wall[0, 0], wall[facets - 1, 3], wall[facets - 1, 2]
-    svx, svy, svz, evx, evy, evz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    early, stops = 0.0, returns_nothing(strip)  # largest gap that closes within the step
+    ends, moving = _ends(strip, side, centre, q)
+    sy = b[3] * ends.ax + b[4] * ends.ay + b[5] * ends.az + b[col.AT + 1]
+    ey = b[3] * ends.bx + b[4] * ends.by + b[5] * ends.bz + b[col.AT + 1]
+    rates, early = moving, 0.0
     if strip[col.INITIAL] > 0.0:
-        svx, svy, svz = point_velocity(b, ax, ay, az, auy, auz)
-        evx, evy, evz = point_velocity(b, bx, by, bz, buy, buz)
-        early = ahead * (abs(svy) + abs(evy) + abs(svz) + abs(evz))
-        toe += early
-    if min(sy, ey) > toe:
+        rates = _velocities(b, ends, moving)
+        early = ahead * (abs(rates.ay) + abs(rates.by) + abs(rates.az) + abs(rates.bz))
+    if min(sy, ey) > wall[0, 0] + early:
         if memories[0, col.RAISED] > 0.0:
-            for n in range(memories.shape[0]):
-                memories[n, col.ABOVE] = 0.0
-            memories[0, col.RAISED] = 0.0
+            _set_above(memories, 0.0)
         return False
-    sx, _, sz = rotated(b, ax, ay, az)
-    ex, _, ez = rotated(b, bx, by, bz)
-    sz, ez = sz + b[col.AT + 2], ez + b[col.AT + 2]
-    points, inner = memories.shape[0], edge - 2.0 * EDGE
-    spacing = 1.0 / points
-    rise = 0.5 * (ez - sz) * spacing
+    sx, _, sz = rotated(b, ends.ax, ends.ay, ends.az)
+    ex, _, ez = rotated(b, ends.bx, ends.by, ends.bz)
+    places = Ends(
+        sx + b[col.AT] - origin, sy, sz + b[col.AT + 2], ex + b[col.AT] - origin, ey, ez + b[col.AT + 2]
+    )
+    rise = 0.5 * (places.bz - places.az) * (1.0 / memories.shape[0])
     half = np.sqrt(rise * rise + strip[col.THICK] * strip[col.THICK])
-    if min(sz, ez) - half > top and max(sy, ey) < inner:
-        for n in range(points):
-            memories[n, col.ABOVE] = 1.0
-        memories[0, col.RAISED] = 1.0
+    crest = Crest(wall[0, 0] + early, wall[facets - 1, 3], wall[facets - 1, 2], half, 0.5 / half)
+    if min(places.az, places.bz) - half > crest.top and max(sy, ey) < crest.edge - 2.0 * EDGE:
+        _set_above(memories, 1.0)
         return False
-    if stops and early == 0.0:
-        svx, svy, svz = point_velocity(b, ax, ay, az, auy, auz)
-        evx, evy, evz = point_velocity(b, bx, by, bz, buy, buz)
-    upward = 0.5 / half
-    crush = _crush_of(strip, strip[col.LENGTH] * spacing)
-    stopping = STICKING / (h * points * (mobility + of_axle))
-    touches, pressed, begin, end = False, False, points, 0  # points in part on the top
-    raised, spread, work, lost = False, 0.0, 0.0, 0.0
-    fsx, fsy, fsz, fex, fey, fez = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    nsy, nsz, ney, nez, gap = 0.0, 0.0, 0.0, 0.0, 0.0  # normal forces of a strip that returns nothing
-    for column in (col.FACE, col.TOP):
-        for n in range(0 if column == col.FACE else begin, points if column == col.FACE else end):
-            p = spacing * (n + 0.5)
-            o = 1.0 - p
-            y, z, memory = o * sy + p * ey, o * sz + p * ez, memories[n]
-            share, weight = memory[col.ABOVE], 1.0
-            if column == col.FACE:
-                if y > toe:  # clear of the wall at any height
-                    memory[col.ABOVE] = 0.0
-                    continue
-                if z + half > top or share > 0.0:
-                    if z - half > top and y < inner:
-                        memory[col.ABOVE], raised = 1.0, True
-                        continue
-                    above = min(max(0.5 + (z - top) * upward, 0.0), 1.0)
-                    share = min(max(share, above), min(max((edge - y) * INWARD, 0.0), 1.0))
-                    memory[col.ABOVE], weight = share, 1.0 - max(above, share)
-                    if share > 0.0:
-                        raised = True
-                        if top - z + half * (2.0 * share - 1.0) > 0.0:
-                            begin, end = min(begin, n), n + 1
-                    if weight <= 0.0:
-                        continue
-                face, k = point_of_face(wall, facets, z)
-                if face + early <= y:
-                    continue
-                ny, nz = mean_normal(wall, facets, k, z - half, z + half)
-                depth = (face - y) * ny
-            else:
-                lowest = top - z + half * (2.0 * share - 1.0)  # depth of the lowest part that was above
-                sunk = min(lowest, 2.0 * half * share)
-                if sunk <= 0.0:
-                    continue
-                ny, nz, depth, weight = 0.0, 1.0, lowest - 0.5 * sunk, sunk * upward
-            touches = touches or depth > 0.0
-            inverse = h * h * points * (mobility + nz * nz * of_axle)
-            if column == col.FACE and early > 0.0 and memory[column] == 0.0:
-                closing = -(o * svy + p * evy) * ny - (o * svz + p * evz) * nz
-                force = weight * _first_force(crush, memory, depth, _part(depth, closing, h, ahead))
-            elif stops:
-                closing = -(o * svy + p * evy) * ny - (o * svz + p * evz) * nz
-                beyond, memory[column] = depth - memory[column], max(memory[column], depth)
-                part = _part(beyond, closing, h, ahead) if abs(beyond) > AT_REST else 1.0
-                force = weight * part * loading_force(crush, memory[column])
-                gap -= force * min(beyond, 0.0) / h
-            else:
-                force = _point_force(crush, memory, column, depth, weight, inverse)
-            if force <= 0.0:
-                continue
-            if stops:
-                nsy, nsz = nsy + o * force * ny, nsz + o * force * nz
-                ney, nez = ney + p * force * ny, nez + p * force * nz
-            if not pressed:
-                pressed = True
-                svx, svy, svz = point_velocity(b, ax, ay, az, auy, auz)
-                evx, evy, evz = point_velocity(b, bx, by, bz, buy, buz)
-                sx, ex = sx + b[col.AT] - origin, ex + b[col.AT] - origin
-            vx, vy, vz = o * svx + p * evx, o * svy + p * evy, o * svz + p * evz
-            fx, fy, fz, approach, loss = _wall_force(vx, vy, vz, ny, nz, force, coefficient * force, stopping)
-            fsx, fsy, fsz = fsx + o * fx, fsy + o * fy, fsz + o * fz
-            fex, fey, fez = fex + p * fx, fey + p * fy, fez + p * fz
-            spread += fy * (o * sx + p * ex) ** 2
-            work += force * approach
-            lost += loss
-    memories[0, col.RAISED] = 1.0 if raised else 0.0
-    if not pressed:
-        return touches
-    for j in range(8 if stops else 0):
+    if early == 0.0:
+        rates = _velocities(b, ends, moving)
+    law = law_of(strip, memories.shape[0], mobility, of_axle, coefficient, early, h, ahead)
+    press, touches = press_points(law, memories, places, rates, crest, wall, facets)
+    if press.presses:
+        _add_press(press, law, b, q, centre, ends, places, push, sums)
+    return touches
+
+
+@inlined
+def _set_above(memories, part):
+    """Set the part of all points that is above the top, to 0 or 1."""
+    for n in range(memories.shape[0]):
+        memories[n, col.ABOVE] = part
+    memories[0, col.RAISED] = part
+
+
+@inlined
+def _velocities(b, ends, moving):
+    """Return the velocities of both ends in space [m/s].
+
+    moving: relative to the body, in its axes [m/s].
+    """
+    ax, ay, az = point_velocity(b, ends.ax, ends.ay, ends.az, moving.ay, moving.az)
+    bx, by, bz = point_velocity(b, ends.bx, ends.by, ends.bz, moving.by, moving.bz)
+    return Ends(ax, ay, az, bx, by, bz)
+
+
+@reordered
+def _add_press(press, law, b, q, centre, ends, places, push, sums):
+    """Add the forces on the points of a strip to loads and sums.
+
+    The normal force of a strip that returns no energy is added apart, because a part of it may be taken away.
+    """
+    force, normal = press.force, press.normal
+    for j in range(8 if law.stops else 0):
         push[col.RESPONSE + j] = -_load(b, q, j)
-    _press_ends(b, q, centre, ax, ay, az, bx, by, bz, fsx, fsy - nsy, fsz - nsz, fex, fey - ney, fez - nez)
+    rest = Ends(
+        force.ax, force.ay - normal.ay, force.az - normal.az, force.bx, force.by - normal.by, force.bz - normal.bz
+    )  # fmt: skip
+    _press_ends(b, q, centre, ends, rest)
     added = push[col.ADDED :]
-    added[col.LATERAL] = fsy + fey
-    added[col.ALONG] = fsx + fex
-    added[col.UP] = fsz + fez
-    added[col.MOMENT] = fsy * sz + fey * ez
-    added[col.STATION] = fsy * sx + fey * ex
-    added[col.SPREAD] = spread
-    added[col.WALL_WORK] = h * work
-    added[col.FRICTION_WORK] = -h * lost
-    if not stops:
+    added[col.LATERAL] = force.ay + force.by
+    added[col.ALONG] = force.ax + force.bx
+    added[col.UP] = force.az + force.bz
+    added[col.MOMENT] = force.ay * places.az + force.by * places.bz
+    added[col.STATION] = force.ay * places.ax + force.by * places.bx
+    added[col.SPREAD] = press.spread
+    added[col.WALL_WORK] = law.h * press.work
+    added[col.FRICTION_WORK] = -law.h * press.lost
+    if not law.stops:
         add_sums(push, sums, 1.0)
-        return touches
-    _, asy, asz = centripetal(b, ax, ay, az)
-    _, aey, aez = centripetal(b, bx, by, bz)
-    turning = 0.5 * h * (nsy * asy + nsz * asz + ney * aey + nez * aez)
-    push[col.STOPPED], push[col.GAP] = 0.0, gap + turning
+        return
+    _, asy, asz = centripetal(b, ends.ax, ends.ay, ends.az)
+    _, aey, aez = centripetal(b, ends.bx, ends.by, ends.bz)
+    turning = 0.5 * law.h * (normal.ay * asy + normal.az * asz + normal.by * aey + normal.bz * aez)
+    push[col.STOPPED], push[col.GAP] = 0.0, press.gap + turning
     for j in range(8):
         push[col.NORMAL + j] = -_load(b, q, j)
-    _press_ends(b, q, centre, ax, ay, az, bx, by, bz, 0.0, nsy, nsz, 0.0, ney, nez)
+    _press_ends(b, q, centre, ends, normal)
     for j in range(8):
         push[col.NORMAL + j] += _load(b, q, j)
         push[col.RESPONSE + j] += _load(b, q, j)
     push[col.CLOSING] = turning - normal_power(push, b, q)
-    return touches
 
 
 @inlined
@@ -266,96 +207,15 @@ def _load(b, q, j):
 
 
 @reordered
-def _press_ends(b, q, centre, ax, ay, az, bx, by, bz, fsx, fsy, fsz, fex, fey, fez):
+def _press_ends(b, q, centre, ends, force):
     """Add forces at both ends of a strip.
 
     centre: as of `_end`.
     """
     if np.isnan(centre):
-        add_force(b, ax, ay, az, fsx, fsy, fsz)
-        add_force(b, bx, by, bz, fex, fey, fez)
+        add_force(b, ends.ax, ends.ay, ends.az, force.ax, force.ay, force.az)
+        add_force(b, ends.bx, ends.by, ends.bz, force.bx, force.by, force.bz)
     else:
         centre += q[col.JOINT]
-        add_axle_force(b, q, centre, ax, ay, az, fsx, fsy, fsz)
-        add_axle_force(b, q, centre, bx, by, bz, fex, fey, fez)
-
-
-@inlined
-def _part(depth, closing, h, ahead):
-    """Return the part of the step after the touch of a point.
-
-    closing: velocity into the face [m/s]. It applies to a force that begins suddenly.
-    """
-    if closing <= 0.0:
-        return 1.0 if depth > 0.0 else 0.0
-    return min(max((ahead + depth / closing) / h, 0.0), 1.0)
-
-
-@inlined
-def _first_force(crush, memory, depth, part):
-    """Return the force on a point that has not been pressed [N].
-
-    part: of the step, in which the initial force acts.
-    """
-    memory[col.FACE] = max(depth, 0.0)
-    begun = PointCrush(
-        crush.stiffness,
-        part * crush.initial_force,
-        crush.returned,
-        crush.plateau,
-        crush.unloading,
-        crush.hardening,
-    )
-    return loading_force(begun, memory[col.FACE])
-
-
-@inlined
-def _crush_of(strip, length):
-    """Return the crush law of this length of a strip [m]."""
-    stiffness, plateau = strip[col.STIFFNESS] * length, strip[col.PLATEAU] * length
-    unloading, hardening = strip[col.UNLOADING] * length, strip[col.HARDENING] * length
-    return PointCrush(
-        stiffness, strip[col.INITIAL] * length, strip[col.RETURNED], plateau, unloading, hardening
-    )
-
-
-@inlined
-def _point_force(crush, memory, column, depth, weight, inverse):
-    """Return the force of the crush law on a point [N].
-
-    weight: fraction of its length that is in contact; inverse: square of the step over the effective mass [s^2/kg].
-    """
-    if depth <= memory[column + col.FOOT]:
-        return 0.0
-    if depth >= memory[column]:
-        memory[column], memory[column + col.SLOPE] = depth, 0.0
-        return weight * loading_force(crush, depth)
-    if memory[column + col.SLOPE] == 0.0:
-        _set_unloading(crush, memory, column, inverse)
-    return weight * memory[column + col.SLOPE] * (depth - memory[column + col.FOOT])
-
-
-@inlined
-def _wall_force(vx, vy, vz, ny, nz, force, limit, stopping):
-    """Return force of the wall on a point, approach and loss.
-
-    The force has the normal part `force` and friction of at most `limit` [N]. stopping: largest friction over sliding
-    velocity [N s/m]. The approach is the velocity along the normal [m/s], the loss the power of friction [W].
-    """
-    approach = vy * ny + vz * nz
-    ty, tz = vy - approach * ny, vz - approach * nz
-    sliding = np.sqrt(vx * vx + ty * ty + tz * tz)
-    drag = limit / sliding if limit < stopping * sliding else stopping
-    return -drag * vx, force * ny - drag * ty, force * nz - drag * tz, approach, drag * sliding * sliding
-
-
-@reordered
-def _set_unloading(crush, memory, column, inverse):
-    """Set the line of unloading of a point from its deepest position.
-
-    inverse: square of the step over the effective mass [s^2/kg].
-    """
-    peak, _, length, _ = crush_line(crush, memory[column])
-    length = max(length, peak * inverse / STEEPEST)
-    memory[column + col.FOOT] = memory[column] - length
-    memory[column + col.SLOPE] = peak / length if length > 0.0 else 0.0
+        add_axle_force(b, q, centre, ends.ax, ends.ay, ends.az, force.ax, force.ay, force.az)
+        add_axle_force(b, q, centre, ends.bx, ends.by, ends.bz, force.bx, force.by, force.bz)
