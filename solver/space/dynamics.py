@@ -327,6 +327,7 @@ def close_hinges(units, axle_unit, work, last, h):
         for side in range(2):
             for i in range(3):
                 impulse = (1.0 - 2.0 * side) * tie[width * (3 * k + i) + size]
+                work.pulls[0, 3 * k + i] += impulse / last if side == 0 else 0.0
                 add_impulse(k + side, axle_unit, work, impulse, effect[6 * k + 3 * side + i], last, -1)
 
 

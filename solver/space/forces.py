@@ -145,7 +145,7 @@ def _press_strip(
 
 @inlined
 def _set_above(memories, part):
-    """Set the part of all points that is above the top, to 0 or 1."""
+    """Set the part above the top of all points."""
     for n in range(memories.shape[0]):
         memories[n, col.ABOVE] = part
     memories[0, col.RAISED] = part
@@ -164,7 +164,7 @@ def _velocities(b, ends, moving):
 
 @reordered
 def _add_press(press, law, b, q, centre, ends, places, push, sums):
-    """Add the forces on the points of a strip to loads and sums.
+    """Add the forces on points to loads and sums.
 
     The normal force of a strip that returns no energy is added apart, because a part of it may be taken away.
     """

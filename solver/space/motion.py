@@ -73,7 +73,7 @@ class SpaceMotion:
         Answers of this motion, floats in place of arrays.
     history : dict of ndarray, shape (rows,)
         Columns by name: t and the columns of `state` [SI]; those of later units end with "_2" and so on, those of axles
-        with the number of the axle from 1.
+        or hinges with the number of the axle or hinge from 1.
     pushes : dict of ndarray, shape (rows - 1,)
         Mean lateral force between rows on each strip that touches [N].
     compared : tuple of dict
@@ -136,7 +136,8 @@ def column_names(units: int, axles: int) -> tuple[str, ...]:
     ends = ("", *(f"_{unit}" for unit in range(2, units + 1)))
     poses = [f"{name}{end}" for end in ends for name in state.POSE]
     wheels = [f"{name}_{axle}" for axle in range(1, axles + 1) for name in state.WHEELS]
-    return (*state.FORCES, *state.SENSOR, *state.WORKS, *state.ENERGIES, *poses, *wheels)
+    pulls = [f"{name}_{hinge}" for hinge in range(1, units) for name in state.HINGE]
+    return (*state.FORCES, *state.SENSOR, *state.WORKS, *state.ENERGIES, *poses, *wheels, *pulls)
 
 
 def push_names(vehicle: SpaceVehicle) -> tuple[str, ...]:

@@ -157,14 +157,14 @@ def press_points(law, memories, places, rates, crest, wall, facets):
 
 @inlined
 def between(ends, p):
-    """Return the vector at a fraction p of the way between ends."""
+    """Return the vector at a fraction p of the way."""
     o = 1.0 - p
     return o * ends.ax + p * ends.bx, o * ends.ay + p * ends.by, o * ends.az + p * ends.bz
 
 
 @inlined
 def _shared(ends, p, x, y, z):
-    """Add a vector at a fraction p of the way to both ends."""
+    """Share a vector at a fraction p between both ends."""
     o = 1.0 - p
     return Ends(
         ends.ax + o * x, ends.ay + o * y, ends.az + o * z, ends.bx + p * x, ends.by + p * y, ends.bz + p * z
@@ -173,7 +173,7 @@ def _shared(ends, p, x, y, z):
 
 @inlined
 def _part_on_face(memory, y, z, crest):
-    """Return the part of a point about the top that the face may push.
+    """Return the part of a point that the face may push.
 
     Sets the part that was above the top.
     """
@@ -213,7 +213,7 @@ def _pressed(press, law, memory, column, p, depth, weight, ny, nz, places, rates
 
 @inlined
 def _normal_force(law, memory, column, p, depth, weight, ny, nz, rates):
-    """Return the normal force on a point [N], and its part of the gap [W].
+    """Return the normal force [N] and its part of the gap [W].
 
     Arguments as of `_pressed`.
     """

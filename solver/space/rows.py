@@ -115,6 +115,8 @@ def record(units, axles, axle_unit, work, first, parts, row):
             tyre += 0.5 * q[col.WHEEL + side] * q[col.WHEEL + side] / axle[col.TYRE]
             row[column + side], row[column + 2 + side] = q[col.WHEEL + side], q[col.JOINT + side]
         column += 4
+    hinged = work.pulls.shape[1]
+    end_row(work.pulls[0], work.pulls[1], first, parts, row[column : column + hinged])
     row[11], row[12], row[13], row[14] = kinetic, gravity, spring, tyre
 
 

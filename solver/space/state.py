@@ -81,8 +81,10 @@ SENSOR = ("sensor_velocity",)
 """Velocity of the first unit's sensor away from the wall at the instant [m/s]."""
 
 WHEELS = ("load_right", "load_left", "heave", "axle_roll")
-"""Columns of a row: `FORCES`, `SENSOR`, `WORKS`, `ENERGIES`, then `POSE` of each unit, `WHEELS` of each axle, and the
-lateral force on the right and on the left one of each strip [N]."""
+HINGE = ("hinge_force_x", "hinge_force_y", "hinge_force_z")
+"""Columns of a row: `FORCES`, `SENSOR`, `WORKS`, `ENERGIES`, then `POSE` of each unit, `WHEELS` of each axle, `HINGE`
+of each hinge, the force of the unit behind on the one ahead, and the lateral force on the right and on the left one of
+each strip [N]."""
 
 OUTCOME, ROLL, ROLL_TIME, PITCH, PITCH_TIME, MEAN, MEAN_TIME, MEAN_ALONG, MEAN_UP = range(9)
 CENTRE_HEIGHT, CONTACT_LENGTH, MOMENT_MEAN, MOMENT_HEIGHT, MOMENT_LENGTH, RAW = range(9, 15)
@@ -167,7 +169,8 @@ class SpaceWork(NamedTuple):
     memory, (points of both sides, 8); pushes, (strips of both sides, 29); sums, (10,): sums of the row and works;
     effect, (6 hinges, 6): accelerations of both units by unit forces; tie, (3 hinges, 3 hinges + 1), flat; windows,
     (rows, 7): means of the rows so far;
-    before, (10,): sums before the step; answer, rolls: of one motion in a search for a wall.
+    before, (10,): sums before the step; pulls, (2, 3 hinges): forces of hinges summed over the row, and before the step
+    [N]; answer, rolls: of one motion in a search for a wall.
     """
 
     bodies: np.ndarray
@@ -180,6 +183,7 @@ class SpaceWork(NamedTuple):
     tie: np.ndarray
     windows: np.ndarray
     before: np.ndarray
+    pulls: np.ndarray
     answer: np.ndarray
     rolls: np.ndarray
 
@@ -190,13 +194,15 @@ def workspace(units: int, axles: int, strips: int, points: int, facets: int, row
     return SpaceWork(
         np.zeros((units, BODY_STATE)), np.zeros((axles, AXLE_STATE)), np.zeros((facets, 7)),
         np.zeros((2 * points, 8)), np.zeros((2 * strips, PUSHES)), np.zeros(10), np.zeros((6 * hinges, 6)),
-        np.zeros(3 * hinges * (3 * hinges + 1)), np.zeros((rows, 7)), np.zeros(10), np.zeros(ANSWERS), np.zeros(units),
+        np.zeros(3 * hinges * (3 * hinges + 1)), np.zeros((rows, 7)), np.zeros(10), np.zeros((2, 3 * hinges)),
+        np.zeros(ANSWERS), np.zeros(units),
     )  # fmt: skip
 
 
 def row_columns(units: int, axles: int, strips: int) -> int:
     """Return the number of columns of a row."""
-    return len(FORCES + SENSOR + WORKS + ENERGIES) + len(POSE) * units + len(WHEELS) * axles + 2 * strips
+    columns = len(FORCES + SENSOR + WORKS + ENERGIES) + len(POSE) * units + len(WHEELS) * axles
+    return columns + len(HINGE) * (units - 1) + 2 * strips
 
 
 def rolls(units: int) -> slice:

@@ -89,7 +89,7 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
     h = clock.interval / parts
     facets = wall_facets(fleet.profile, height, work.wall)
     edge = work.wall[facets - 1, 2]
-    answer[:], rolls[:], work.sums[:], work.pushes[:] = 0.0, 0.0, 0.0, 0.0
+    answer[:], rolls[:], work.sums[:], work.pushes[:], work.pulls[:] = 0.0, 0.0, 0.0, 0.0, 0.0
     bodies, joints, sums, before = work.bodies, work.joints, work.sums, work.before
     if not _begin(fleet, i, units, axles, strips, facets, clock.is_end_fixed, work):
         answer[col.OUTCOME] = col.OVER
@@ -105,6 +105,8 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
             before[j] = sums[j]
         for p in range(work.pushes.shape[0] if rows.shape[0] > 0 else 0):
             work.pushes[p, col.BEFORE] = work.pushes[p, col.PUSH]
+        for j in range(work.pulls.shape[1] if rows.shape[0] > 0 else 0):
+            work.pulls[1, j] = work.pulls[0, j]
         press_axles(axles, fleet.axle_unit, bodies, joints, sums, ahead)
         touches = press_strips(fleet, i, units, axles, strips, facets, work, ahead, 0.5 * h)
         if clock.push.shape[0] > 0:

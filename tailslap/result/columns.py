@@ -182,6 +182,7 @@ def train_columns() -> dict[str, HistoryColumn]:
     columns = (
         HistoryColumn("hinge_force_x", "N", meaning=force.format("along")),
         HistoryColumn("hinge_force_y", "N", meaning=force.format("across")),
+        HistoryColumn("hinge_force_z", "N", meaning="the same upwards, in space"),
         HistoryColumn("articulation", "rad", meaning=angle),
     )
     return {column.name: column for column in columns}

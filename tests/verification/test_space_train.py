@@ -46,6 +46,31 @@ def test_train_at_rest_stays():
     ) == pytest.approx(rear, rel=1e-12)
 
 
+def test_hinge_carries_its_part_of_the_weight():
+    """At rest it carries the trailer's load on the kingpin alone."""
+    h = solve_space(train(STRIPS), WALL, 0.0, 0.3, end=0.1, step=1e-3).history
+    weight = 27770.0 * 9.80665 * (12.8 - 7.0) / (12.8 - 0.9)
+    for name, force in (("x", 0.0), ("y", 0.0), ("z", -weight)):
+        assert h[f"hinge_force_{name}_1"][1:] == pytest.approx(force, rel=1e-8, abs=1e-4)
+
+
+def test_hinge_and_wall_change_the_momentum_of_a_trailer():
+    """Without friction nothing else pushes it, error of second order."""
+    errors = list[float]()
+    for step in (4e-4, 2e-4, 1e-4):
+        train_of = train(STRIPS, friction=0.0), SpaceWall(1.0668), 22.0, ANGLE
+        motion = solve_space(*train_of, interval=2e-3, step=step, end=1.0)
+        h = motion.history
+        wall = sum(push for name, push in motion.pushes.items() if name.startswith("trailer"))
+        for axis, push in (("x", 0.0), ("y", wall)):
+            gained = 27770.0 * (h[f"v_g{axis}_2"] - h[f"v_g{axis}_2"][0])
+            impulse = 2e-3 * np.cumsum(push - h[f"hinge_force_{axis}_1"][1:])
+            errors.append(np.abs(gained[1:] - impulse).max() / np.abs(gained).max())
+    by_step = np.reshape(errors, (3, 2))
+    assert (by_step[2] < (1e-5, 1e-6)).all()
+    assert (np.log2(by_step[:2] / by_step[1:]) > 1.8).all()
+
+
 def test_energy_balance_of_a_train(motion):
     """Hinges take no energy besides that of their stiffness in roll."""
     h = motion.history
@@ -94,6 +119,10 @@ def test_held_train_is_the_planar_one():
         few = [plane.strikes[number] for number in strikes]
         during = (t > min(s.start for s in few) - 1e-3) & (t < max(s.end for s in few) + 1e-3)
         assert 4e-5 * force[during].sum() == pytest.approx(math.fsum(s.impulse for s in few), rel=1e-6)
+    for name, planar in zip("xy", plane.hinge_forces(t)[0], strict=True):
+        impulse, exact = np.cumsum(h[f"hinge_force_{name}_1"][1:]), np.cumsum(planar)
+        assert impulse[-1] == pytest.approx(exact[-1], rel=1e-6)
+        assert np.abs(impulse - exact).max() < 1e-5 * np.abs(exact).max()  # of the instant of a strike
     at = plane.at(0.7)
     k = round(0.7 / 4e-5)
     for end in ("", "_2"):

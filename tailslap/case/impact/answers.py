@@ -82,11 +82,11 @@ class ImpactAnswer:
     def hinges(self) -> list[dict[str, float]]:
         """Largest force and articulation angle of each hinge.
 
-        Force [N] unfiltered and as a 50 ms mean, angle [rad]; empty for a single vehicle, and in space.
+        Horizontal force [N] unfiltered and as a 50 ms mean, angle [rad]; empty for a single vehicle.
         """
         h, hinges = self.history, []
         rows = min(round(MEAN_WINDOW / self.interval), h["t"].size - 1)
-        for k in () if self.in_space else range(1, self.units):
+        for k in range(1, self.units):
             force = np.array([h[f"hinge_force_{axis}_{k}"] for axis in "xy"])
             sums = np.cumsum(force, axis=1)  # no window reaches beyond the end, where the force may still act
             peak, mean = (

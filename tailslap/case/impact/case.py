@@ -69,7 +69,6 @@ class ImpactCase(rigid.RigidImpact):
         These exist in any row.
         """
         models = ("rigid",) if scene.plate is None else ("rigid", "fe")
-        is_planar = scene.plate is not None or scene.body is None
         kinds: dict[str, type] = {}
         strikes = range(1, 1 + answers.counted(len(scene.units)))
         for model in models:
@@ -79,7 +78,7 @@ class ImpactCase(rigid.RigidImpact):
                 kinds |= {f"{model}.strike_{k}.{name}": float for name in VALUES}
             kinds |= {f"{model}.peaks.{name}": float for name in LABELS}
             kinds |= {f"{model}.end.{name}": float for name in answers.END}
-            for k in range(1, len(scene.units) * is_planar):
+            for k in range(1, len(scene.units)):
                 kinds |= {f"{model}.hinge_{k}.{name}": float for name in HINGE}
         if scene.body:
             kinds |= {f"space.{name}": str if name == "outcome" else float for name in SPACE}

@@ -142,6 +142,7 @@ class ImpactReport(FeReport):
         loops, along = figures.contact_figures(outcome)
         positions = figures.position_strip(outcome.fe, case.vehicles)
         is_companion = bool(case.space)
+        in_space = section(case.space) if case.space else None
         plane, forces = ", companion in the plane" if is_companion else "", force_table(outcome)
         in_plane = [
             Section(
@@ -176,7 +177,11 @@ class ImpactReport(FeReport):
         return [
             _force_section(case, forces),
             _design_section(case, design),
-            *([section(case.space)] if case.space else []),
+            *(
+                [replace(in_space, tables=[*in_space.tables, hinges_table(outcome, True)])]
+                if in_space
+                else []
+            ),
             *in_plane,
             Section("Comparison with the paper's method", tables=_paper(outcome), is_folded=True),
             Section(
@@ -195,7 +200,7 @@ class ImpactReport(FeReport):
         outcome, space = self.outcome, self.outcome.fe_plan.case.space
         of_motion = strikes_table({"in space": space.strikes}) if space else _strikes(outcome)
         strikes = replace(of_motion, notes=())
-        first = short(_design_table(outcome)), strikes, hinges_table(outcome)
+        first = short(_design_table(outcome)), strikes, hinges_table(outcome, in_space=True)
         return [*first, force_table(outcome), errors_table(outcome)]
 
     def omitted(self, pictures: bool) -> list[tuple[str, str]]:
@@ -292,15 +297,22 @@ def errors_table(outcome: run.ImpactOutcome) -> Table:
     return Table(ERRORS, rows)
 
 
-def hinges_table(outcome: run.ImpactOutcome) -> Table:
-    """Return force and angle of the hinges of a train."""
+def hinges_table(outcome: run.ImpactOutcome, in_space: bool = False) -> Table:
+    """Return force and angle of the hinges of a train.
+
+    in_space: of the motion in space, if there is one.
+    """
     models = {"FE": (outcome.fe, outcome.hinge_error), "rigid": (outcome.rigid, [])}
+    if in_space and (space := outcome.fe_plan.case.space):
+        models = {"in space": (space.answer, [])}
     rows = [
         {"title": f"Hinge {k}", "model": model, "error": error, **hinge}
         for model, (answer, errors) in models.items()
         for k, (hinge, error) in enumerate(zip_longest(answer.hinges, errors), 1)
     ]
-    return Table(HINGES, sorted(rows, key=lambda row: str(row["title"])), notes=(HINGE_NOTE,))
+    return Table(
+        HINGES, sorted(rows, key=lambda row: str(row["title"])), notes=(HINGE_NOTE,) if "FE" in models else ()
+    )
 
 
 def _strikes(outcome: run.ImpactOutcome) -> Table:

@@ -551,7 +551,7 @@ class RigidImpact(Case):
         units: "si", or "us" for ft, mph and kip.
         """
         lines = ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else []
-        lines += self._strike_lines(units)
+        lines += self._strike_lines(units) + self._hinge_lines(units)
         lines += ["", *self.space.text(units)] if self.space else self._plane_text(units)
         lines += ["", SYSTEMS[units].rendered(self.inertial_sentence)] if self.inertial else []
         severity = shown(self.impact_severity, "J", units, digits=DIGITS)
@@ -578,16 +578,20 @@ class RigidImpact(Case):
                 lines.append(f"{'':<18} error at most: {', '.join(stated)}")
         return lines
 
-    def _plane_text(self, units: str) -> list[str]:
-        """Return the lines on hinges, forces, end and tyres."""
-        answer, lines = self.answer, ["", "Hinges"] if self.trailers else []
-        for number, hinge in enumerate(answer.hinges, 1):
+    def _hinge_lines(self, units: str) -> list[str]:
+        """Return the lines on hinges."""
+        lines = ["", "Hinges, horizontal force"] if self.trailers else []
+        for number, hinge in enumerate(self.answer.hinges, 1):
             peak, mean = (
                 shown(hinge[name], "N", units, digits=DIGITS) for name in ("peak_force", "mean_50ms")
             )
             angle = f"largest articulation angle {math.degrees(hinge['largest_angle']):.4g} deg"
             lines.append(f"  hinge {number}: peak force {peak}, 50 ms mean {mean}, {angle}")
-        lines += ["", "Lateral force on the wall, peak"]
+        return lines
+
+    def _plane_text(self, units: str) -> list[str]:
+        """Return the lines on forces, end and tyres."""
+        answer, lines = self.answer, ["", "Lateral force on the wall, peak"]
         lines += [value_line(label, answer.peaks[name], "N", units, DIGITS) for name, label in LABELS.items()]
         lines += ["", "At the end, of the first unit" if self.trailers else "At the end"]
         lines += [
