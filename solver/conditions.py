@@ -6,7 +6,6 @@ for floats and arrays, with the functions of `functions(...)`: those of `math` f
 
 import math
 from dataclasses import fields
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -23,9 +22,30 @@ Met = bool | NDArray[np.bool_]
 V = TypeVar("V", bound=Number)
 Record = TypeVar("Record", bound="DataclassInstance")
 
-_SCALAR = SimpleNamespace(
-    **vars(math), maximum=max, minimum=min, where=lambda condition, yes, no: yes if condition else no
-)
+
+def chosen(condition: bool, yes: float, no: float) -> float:
+    """Return the first value where the condition holds, else the second."""
+    return yes if condition else no
+
+
+class Functions(NamedTuple):
+    """Functions of floats by the names of NumPy's, a tuple that kernels take too."""
+
+    sin: Any = math.sin
+    cos: Any = math.cos
+    sqrt: Any = math.sqrt
+    exp: Any = math.exp
+    expm1: Any = math.expm1
+    atan2: Any = math.atan2
+    atanh: Any = math.atanh
+    hypot: Any = math.hypot
+    isfinite: Any = math.isfinite
+    maximum: Any = max
+    minimum: Any = min
+    where: Any = chosen
+
+
+SCALAR = Functions()
 
 
 class RigidBodyError(ValueError):
@@ -149,7 +169,7 @@ def functions(*values: object) -> Any:
     for value in values:
         if not isinstance(value, float):
             return np
-    return _SCALAR
+    return SCALAR
 
 
 def number(key: str, value: ArrayLike) -> Any:

@@ -96,22 +96,24 @@ def corner_impulse(
     limit = f.cos(phi) / f.sin(phi)
     gate.demand(rules.TURNING, mu < limit, mu, phi=phi, limit=limit)  # beta > phi
     v_0, theta, mu, e = gate.safe(v_0, theta, mu, e)
-    result: ImpulseResult[Any] = _solve(body, v_0, theta, mu, 1.0 - e if convention == "paper" else 1.0 + e)
+    k, phi = (1.0 - e if convention == "paper" else 1.0 + e), theta + gamma
+    numbers = after_impulse(functions(phi, v_0, mu, k, body.mass), body, v_0, theta, mu, k)
+    result: ImpulseResult[Any] = ImpulseResult(*numbers)
     return gate.filled(result)
 
 
-def _solve(
-    body: RectangularBody[Any], v_0: Number, theta: Number, mu: Number, k: Number
-) -> ImpulseResult[Any]:
-    """Solve Eqs 31-33.
+def after_impulse(
+    f: Any, body: Any, v_0: Number, theta: Number, mu: Number, k: Number
+) -> tuple[Any, Any, Any]:
+    """Return the numbers of an `ImpulseResult`, in the language of kernels too.
 
-    As tan(beta) = 1/mu, cos(beta) is mu sin(beta), and sin(beta - phi) is (c - mu s) sin(beta).
+    f: see `functions`; body: with corner_angle, corner_radius and mass; k: 1 - e or 1 + e. Eqs 31-33: as tan(beta) =
+    1/mu, cos(beta) is mu sin(beta), and sin(beta - phi) is (c - mu s) sin(beta).
     """
     phi, r, m = theta + body.corner_angle, body.corner_radius, body.mass
-    f = functions(phi, v_0, mu, k, m)
     s, c = f.sin(phi), f.cos(phi)
     normal = k * v_0 * f.sin(theta) / (1.0 + 3.0 * c * (c - mu * s))  # F sin(beta)/m: Eqs 31 and 32
     omega = 3.0 * (c - mu * s) * normal / r  # Eq 30, where B^2 + L^2 = 4 r^2
     v_p = v_0 * f.cos(theta) - mu * normal + omega * r * s  # Eq 33
     impulse = m * normal * f.sqrt(1.0 + mu * mu)
-    return ImpulseResult(omega + 0.0 * impulse, v_p + 0.0 * impulse, impulse)
+    return omega + 0.0 * impulse, v_p + 0.0 * impulse, impulse

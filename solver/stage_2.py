@@ -78,22 +78,21 @@ def denominator(s: Number, c: Number, mu: Number) -> Number:
 
 def slowness(path: Path, theta: Number) -> Number:
     """Return omega_0/omega at the angles theta [rad]."""
-    return _slowness(path.mu, *_course(path, theta))
+    f_0, f = functions(*path), functions(theta, *path)
+    return _slowness(f, path.mu, *_course(f_0, f, path, theta))
 
 
-def _slowness(mu: Number, d_ratio: Number, j: Number) -> Number:
-    f = functions(d_ratio)
+def _slowness(f: Any, mu: Number, d_ratio: Number, j: Number) -> Number:
     return f.sqrt(d_ratio) * f.exp(-1.5 * mu * j)
 
 
-def _course(path: Path, theta: Number) -> tuple[Any, Any]:
-    """Return D/D_0 and J at theta.
+def _course(f_0: Any, f: Any, path: Path, theta: Number) -> tuple[Any, Any]:
+    """Return D/D_0 and J at theta by the functions of path and theta.
 
     J = (2/k) [atan((2 tan(phi) + p)/k) - atan((2 tan(phi_0) + p)/k)], p = 3 mu, k^2 = 16 - p^2, but as one angle,
     which avoids the pole of the tangent and the branches of its inverse; beyond |mu| = 4/3, k is imaginary.
     """
     gamma, theta_0, mu = path
-    f_0, f = functions(gamma, theta_0, mu), functions(theta, gamma, theta_0, mu)
     phi_0, phi, p = gamma + theta_0, gamma + theta, 3.0 * mu
     s_0, c_0, s, c = f_0.sin(phi_0), f_0.cos(phi_0), f.sin(phi), f.cos(phi)
     k2 = (4.0 - 2.0 * mu - mu) * (4.0 + 2.0 * mu + mu)  # a factor near 0 is exact, and not 0: 4/3 is no float
@@ -106,8 +105,6 @@ def _course(path: Path, theta: Number) -> tuple[Any, Any]:
 
 
 def _arc(f: Any, opposite: Number, adjacent: Number, hyperbolic: bool | NDArray[np.bool_]) -> Number:
-    if hyperbolic is False or not np.any(hyperbolic):
-        return f.atan2(opposite, adjacent)
     ratio = opposite / f.where(hyperbolic, adjacent, 1.0)
     return f.where(hyperbolic, f.atanh(f.where(hyperbolic, ratio, 0.0)), f.atan2(opposite, adjacent))
 
@@ -117,12 +114,20 @@ def state(start: Start, theta: Number, t: Number) -> MotionState[Any]:
 
     theta: angle [rad]; t: time at which it is reached [s].
     """
-    (gamma, theta_0, mu), m, r, omega_0, v_p0 = start
-    f_0, f = functions(gamma, theta_0), functions(theta, gamma)
+    return MotionState(*numbers_at(functions(*start.path), functions(theta, *start.path), start, theta, t))
+
+
+def numbers_at(f_0: Any, f: Any, start: Start, theta: Number, t: Number) -> tuple[Any, ...]:
+    """Return the numbers of a `MotionState`, in the language of kernels too.
+
+    f_0, f: functions of the start and of the angle, see `functions`.
+    """
+    path, m, r, omega_0, v_p0 = start
+    gamma, theta_0, mu = path
     phi_0, phi = gamma + theta_0, gamma + theta
     s_0, c_0, s, c = f_0.sin(phi_0), f_0.cos(phi_0), f.sin(phi), f.cos(phi)
-    d, (d_ratio, j) = denominator(s, c, mu), _course(start.path, theta)
-    u, u_0 = r * omega_0 / _slowness(mu, d_ratio, j), r * omega_0
+    d, (d_ratio, j) = denominator(s, c, mu), _course(f_0, f, path, theta)
+    u, u_0 = r * omega_0 / _slowness(f, mu, d_ratio, j), r * omega_0
     v_gy, v_gy0, v_gx0 = -u * c, -u_0 * c_0, v_p0 - u_0 * s_0  # Eqs 70-71
     v_gx = v_gx0 + mu * (v_gy - v_gy0)
     mean, turn = 0.5 * (phi + phi_0), 2.0 * r * f.sin(0.5 * (theta - theta_0))
@@ -135,7 +140,7 @@ def state(start: Start, theta: Number, t: Number) -> MotionState[Any]:
     turning -= 3.0 * mu * (u * u * s * c - u_0 * u_0 * s_0 * c_0)
     work = m * (mu * (v_gy - v_gy0) * (v_gx + v_gx0) / 2.0 + turning / 6.0)
     v_p, tangential = v_gx + u * s, mu * normal
-    return MotionState(t, theta, u / r, v_gx, v_gy, v_p, slide, normal, tangential + 0.0, energy, work + 0.0)
+    return t, theta, u / r, v_gx, v_gy, v_p, slide, normal, tangential + 0.0, energy, work + 0.0
 
 
 def scaled_time(path: Path) -> Number:

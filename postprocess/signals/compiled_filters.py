@@ -46,21 +46,30 @@ def _up_to(values, size, integral, place):
 def low_pass_of_all(values, padding, corner, padded, filtered):
     """Fill histories that are filtered forward and backward.
 
-    values, filtered: shape (histories, n); padding: samples with which each end is continued; corner: w_a of the
-    difference equation of SAE J211-1; padded: workspace, shape (n + 2 padding,).
+    values, filtered: shape (histories, n); other arguments: as of `filter_both_ways`.
     """
-    size = values.shape[1]
     for k in range(values.shape[0]):
-        for i in range(padded.size):
-            padded[i] = values[k, min(max(i - padding, 0), size - 1)]
-        _one_way(padded, corner, 0, 1)
-        _one_way(padded, corner, padded.size - 1, -1)
-        for i in range(size):
-            filtered[k, i] = padded[i + padding]
+        filter_both_ways(values[k], values.shape[1], padding, corner, padded, filtered[k])
 
 
 @compiled
-def _one_way(values, corner, first, step):
+def filter_both_ways(values, size, padding, corner, padded, filtered):
+    """Fill a history's first `size` samples, filtered forward and backward.
+
+    padding: samples with which each end is continued; corner: w_a of the difference equation of SAE J211-1; padded:
+    workspace, of at least `size` and twice the padding.
+    """
+    whole = size + 2 * padding
+    for i in range(whole):
+        padded[i] = values[min(max(i - padding, 0), size - 1)]
+    _one_way(padded, whole, corner, 0, 1)
+    _one_way(padded, whole, corner, whole - 1, -1)
+    for i in range(size):
+        filtered[i] = padded[i + padding]
+
+
+@compiled
+def _one_way(values, size, corner, first, step):
     """Filter values in place, from the steady state of the first one.
 
     step: 1 forward, -1 backward.
@@ -70,7 +79,7 @@ def _one_way(values, corner, first, step):
     b_2 = (math.sqrt(2.0) * corner - 1.0 - corner**2) / scale
     base = values[first]
     x_1, x_2, y_1, y_2 = 0.0, 0.0, 0.0, 0.0  # differences from the steady state
-    for i in range(values.size):
+    for i in range(size):
         k = first + step * i
         x = values[k] - base
         y = a_0 * (x + 2.0 * x_1 + x_2) + b_1 * y_1 + b_2 * y_2

@@ -14,6 +14,7 @@ ten times the class, six times the cut-off frequency: documentation of the CFC f
 
 import math
 from collections.abc import Callable, Iterable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,8 +53,30 @@ LABELS = {
 }
 """Names of the filtered forces in tables and charts."""
 
-CUTOFFS = {"cfc60": 100.0, "cfc180": 300.0, "cutoff_60hz": 60.0}
-"""Cut-off frequencies of these filters [Hz]."""
+
+class LowPass(NamedTuple):
+    """Low-pass filter, whose w_a is tan(rate T) / divisor.
+
+    cutoff: frequency [Hz] at which it is 3 dB down; rate [1/s].
+    """
+
+    cutoff: float
+    rate: float
+    divisor: float
+
+
+def of_class(frequency_class: int) -> LowPass:
+    """Return the filter of a channel frequency class."""
+    return LowPass(frequency_class / 0.6, math.pi * frequency_class * 2.0775, 1.0)
+
+
+def of_cutoff(cutoff: float) -> LowPass:
+    """Return the filter of a cut-off frequency [Hz]."""
+    return LowPass(cutoff, math.pi * cutoff, (math.sqrt(2.0) - 1.0) ** 0.25)
+
+
+LOW_PASSES = {"cfc60": of_class(60), "cfc180": of_class(180), "cutoff_60hz": of_cutoff(60.0)}
+"""Low-pass filters of forces."""
 
 
 def cfc_filter(values: Floats, interval: float, frequency_class: int) -> Floats:
@@ -64,9 +87,7 @@ def cfc_filter(values: Floats, interval: float, frequency_class: int) -> Floats:
     """
     if frequency_class not in CLASSES:
         raise ValueError(f"frequency class {frequency_class}: must be one of {', '.join(map(str, CLASSES))}")
-    cutoff = frequency_class / 0.6
-    check_samples(values, interval, 1.0 / cutoff, cutoff)
-    return _both_ways(values, interval, cutoff, math.tan(math.pi * frequency_class * 2.0775 * interval))
+    return _both_ways(values, interval, of_class(frequency_class))
 
 
 def low_pass(values: Floats, interval: float, cutoff: float) -> Floats:
@@ -75,9 +96,7 @@ def low_pass(values: Floats, interval: float, cutoff: float) -> Floats:
     The gain of both passes together is there 1 / sqrt 2. values: any unit; interval: T [s]. ValueError as for
     `cfc_filter`.
     """
-    check_samples(values, interval, 1.0 / cutoff, cutoff)
-    corner = math.tan(math.pi * cutoff * interval) / (math.sqrt(2.0) - 1.0) ** 0.25
-    return _both_ways(values, interval, cutoff, corner)
+    return _both_ways(values, interval, of_cutoff(cutoff))
 
 
 def moving_mean(values: Floats, interval: float, width: float) -> Floats:
@@ -116,13 +135,14 @@ def check_samples(values: Floats, interval: float, shortest: float, cutoff: floa
 
 def settling_samples(cutoff: float, interval: float) -> int:
     """Return the samples in which a filter of this cut-off [Hz] settles."""
-    return math.ceil(max(PAD, PERIODS / cutoff) / interval)
+    return int(np.ceil(max(PAD, PERIODS / cutoff) / interval))
 
 
-def _both_ways(values: Floats, interval: float, cutoff: float, corner: float) -> Floats:
-    """Filter forward and backward with this w_a, from steady states."""
-    rows, padding = _rows(values), settling_samples(cutoff, interval)
-    filtered = np.empty_like(rows)
+def _both_ways(values: Floats, interval: float, filter_: LowPass) -> Floats:
+    """Filter forward and backward, from steady states."""
+    check_samples(values, interval, 1.0 / filter_.cutoff, filter_.cutoff)
+    rows, padding = _rows(values), settling_samples(filter_.cutoff, interval)
+    corner, filtered = math.tan(filter_.rate * interval) / filter_.divisor, np.empty_like(rows)
     low_pass_of_all(rows, padding, corner, np.empty(rows.shape[1] + 2 * padding), filtered)
     return filtered.reshape(values.shape)
 
@@ -138,8 +158,8 @@ def force_curves(force: Floats, interval: float, names: Iterable[str] = tuple(FI
     touched = np.concatenate((np.zeros_like(force[..., :1]), force), axis=-1)
     curves = {name: FILTERS[name](touched, interval)[..., 1:] for name in names}
     is_cut = force[..., -1:] != 0.0
-    for name in CUTOFFS.keys() & curves.keys() if is_cut.any() else ():
-        last = max(0, force.shape[-1] - 1 - settling_samples(CUTOFFS[name], interval))
+    for name in LOW_PASSES.keys() & curves.keys() if is_cut.any() else ():
+        last = max(0, force.shape[-1] - 1 - settling_samples(LOW_PASSES[name].cutoff, interval))
         curve = curves[name][..., last:]
         curve[...] = np.where(is_cut, curve[..., :1], curve)
     return curves

@@ -2,7 +2,8 @@
 const at = (id) => document.getElementById(id);
 const POSSIBLE = 0, ENDS = 9, MORE_ROWS = 3, VERDICTS = ["", "The crush does not stop the vehicle: a larger stiffness or plateau force is needed.",
   "The steps of this impact leave too large an error: a smaller stiffness or friction is needed."];
-const chosen = { scene: 0, units: 0, values: new Map() };
+const chosen = { scene: 0, units: 0, filter: 1, values: new Map() };
+const MEAN = 2;  // the 50 ms mean among the curves
 let data, contents, machine, wasm, motion, timer;
 
 class Machine {
@@ -55,6 +56,14 @@ function force(value, named = true) {
   const here = chosen.units ? digits(value * factor, Math.max(3, si.replace(/\D/g, "").replace(/^0+/, "").length)) : si;
   return `${here}${named ? ` ${name}` : ""}`;
 }
+function span(low, high, scale, [[factor, name], here]) {
+  // A range in the words of `tailslap rigid`: four digits in SI, and as many in other units, three at least.
+  const texts = [low, high].map((end) => {
+    const value = Number((scale * end).toPrecision(4)), si = Math.abs(value) < 1e4 ? digits(factor * value, 4) : (factor * value).toFixed(0);
+    return chosen.units && here[1] !== name ? digits(here[0] * value, Math.max(3, si.replace(/\D/g, "").replace(/^0+/, "").length)) : si;
+  });
+  return `${texts.join(" to ")} ${chosen.units ? here[1] : name}`.trim();
+}
 function plateaus() {
   // Plateau of the crush of each group of points.
   const sums = new Map(), groups = machine.array("motion.case.0.group");
@@ -92,7 +101,7 @@ function mark(key, text) {
 function refuse(text, key) {
   at("headline").textContent = text;
   at("headline").classList.add("refused");
-  for (const id of ["band", "certainty", "force", "plan", "strikes", "keys", "force-caption", "plan-caption"]) at(id).replaceChildren();
+  for (const id of ["band", "certainty", "force", "plan", "strikes", "peaks", "keys", "force-caption", "plan-caption"]) at(id).replaceChildren();
   motion = undefined;
   mark(key, key ? text : "");
 }
@@ -132,12 +141,12 @@ function read(count) {
   }
   strikes.sort((one, other) => one.start - other.start);
   motion = { count, values, width, strikes, end, times: machine.array("motion.motion.times"),
-    curves: [0, 1, 2].map((c) => curves.subarray(c * all, c * all + count)), peaks: machine.array("motion.motion.peaks") };
+    curves: data.filters.map((_, c) => curves.subarray(c * all, c * all + count)), peaks: machine.array("motion.motion.peaks") };
 }
 
 function answer(ends, name) {
   // The answer, with lower end, median and upper end of the band where it is there.
-  const peak = motion.peaks[2], strikes = motion.strikes, load = scene().compared;
+  const peak = motion.peaks[MEAN], paper = machine.array("motion.paper.mean")[0], strikes = motion.strikes, load = scene().compared;
   const largest = strikes.reduce((best, one, k) => one.mean > strikes[best].mean ? k : best, 0), one = strikes[largest];
   const least = strikes.some((strike) => strike.cut) ? "at least " : "", equal = plateaus().some((one) => Math.abs(peak / one - 1) <= data.rounding);
   const ratio = (mean, span) => load ? `, ${(mean / load[1]).toPrecision(2)}${span} times ${load[0]} (${force(load[1])})` : "";
@@ -147,7 +156,7 @@ function answer(ends, name) {
     text += `median ${force(ends[1])}; ${name}: ${force(ends[0], false)} to ${force(ends[2])}${ratio(ends[1], span)}. ${data.of_scene}`;
   }
   text += `${least}${force(peak)} in strike ${largest + 1} (${scene().parts[one?.group]}, from ${one?.start.toFixed(3)} s)`
-    + `${equal ? data.equal : ""}${ends || equal ? "" : ratio(peak, "")}.`;
+    + `${equal ? data.equal : ""}${ends || equal ? "" : ratio(peak, "")}.${Number.isNaN(paper) ? "" : ` Paper's method: ${force(paper)}.`}`;
   at("headline").classList.remove("refused");
   at("headline").textContent = strikes.length ? text : "The vehicle does not strike the wall.";
   const error = machine.array("motion.outcome.error")[0];
@@ -168,9 +177,30 @@ function drawBand() {
   }
 }
 
+function speeds() {
+  // A lower and a higher speed by text, with two digits in the scene's unit, or in the one shown where it was changed.
+  const key = "impact.speed", [factor, unit] = chosen.values.has(key) ? shown("m/s") : scene().speed;
+  const [slow, fast] = data.growth.map((part) => Number((part * factor * value(scene().quantities.find((one) => one.key === key))).toPrecision(2)));
+  machine.array("band.growth.speeds").set([slow / factor, fast / factor]);
+  return `from ${slow} to ${fast} ${unit}`;
+}
+
+function decision(between) {
+  // The inputs and the speed that decide the force.
+  const fractions = machine.array("band.ranges.fractions"), ends = machine.array("band.ranges.ends"), growth = machine.array("band.growth.ratio")[0];
+  const inputs = [...fractions.keys()].filter((r) => fractions[r] > data.named[0]).sort((r, q) => fractions[q] - fractions[r]).slice(0, data.named[1]).map((r) => {
+    const [, origin, name, ...forms] = scene().ranges[r];
+    return `${name}, ${origin.includes("assumed") ? "assumed " : ""}${span(ends[2 * r], ends[2 * r + 1], ...forms)} (${(100 * fractions[r]).toFixed(0)} %)`;
+  });
+  const parts = inputs.length ? [`decided most by ${inputs.join(", and ")} of the variance`] : [];
+  if (growth) parts.push(`${between} it grows ${digits(growth, 2)} times`);
+  const text = parts.join("; ").replace(") of the variance", " of the variance)");
+  return text ? `${text[0].toUpperCase()}${text.slice(1)}. ` : "";
+}
+
 function band() {
   if (!machine.array("band.ranges.drawn")[0]) drawBand();
-  const start = performance.now(), [reason, item, verdict, varied, number] = machine.call("band");
+  const between = speeds(), start = performance.now(), [reason, item, verdict, varied, number] = machine.call("band");
   const ranges = scene().ranges, ends = machine.array("band.ranges.ends");
   if (reason || verdict) {
     const why = reason === ENDS ? `${ranges[item][0]} (${ranges[item][1]}) is beyond what is allowed`
@@ -183,8 +213,8 @@ function band() {
   answer(found, name);
   const fixed = ranges.filter((_, r) => Number.isNaN(ends[2 * r])).map(([key]) => key);
   const assumed = ranges.filter(([key, origin]) => origin.includes("assumed") && !fixed.includes(key)).length;
-  at("band").textContent = `Band of ${machine.array("band.forces").length} rigid vehicles over ${varied} inputs, ${assumed} with assumed ranges${calibrated ? `; ${calibrated}` : ""}`
-    + (fixed.length ? `; not varied, since outside the range: ${fixed.join(", ")}.` : ".");
+  at("band").textContent = `${decision(between)}Band of ${machine.array("band.forces").length} rigid vehicles over ${varied} inputs, ${assumed} with assumed ranges${calibrated ? `; ${calibrated}` : ""}`
+    + (fixed.length ? `; not varied, since outside the range: ${fixed.map((key) => `\`${key}\``).join(", ")}.` : ".");
   ranges.forEach(([key, origin], r) => {
     const box = document.querySelector(`.quantity[data-key="${key}"] .range`), quantity = scene().quantities.find((one) => one.key === key);
     if (box) box.textContent = fixed.includes(key) ? `outside the range of the band (${origin})`
@@ -213,13 +243,14 @@ function draw() {
     return `<path class="load" d="M${left} ${y(load)}H${width - 8}"/>`
       + `<text class="load-text" x="${place}" y="${y(load) - 4}" text-anchor="${anchor}">${escaped(label)}</text>`;
   });
-  const curves = motion.curves.map((curve, c) => `<path class="curve curve${c}" d="${path(curve, x, y, width)}"/>`);
+  const curves = [0, chosen.filter, MEAN].map((curve, c) => `<path class="curve curve${c}" d="${path(motion.curves[curve], x, y, width)}"/>`);
   at("force").innerHTML = `<svg viewBox="0 0 ${width} ${height}" role="img" aria-label="Lateral force over time">${grid.join("")}${marks.join("")}`
     + `${curves.join("")}${lines.join("")}<text x="${width - 8}" y="${height - 10}" text-anchor="end">s</text></svg>`;
   at("force-caption").textContent = `Lateral force on the wall [${name}]${lines.length ? "; lines across: design forces" : ""}`;
-  at("keys").innerHTML = ["force", "10 ms mean", "50 ms mean"].map((text, c) => `<span><i class="curve${c}"></i>${text}</span>`).join("");
+  at("keys").innerHTML = ["force", data.filters[chosen.filter][1], data.filters[MEAN][1]].map((text, c) => `<span><i class="curve${c}"></i>${text}</span>`).join("");
   at("plan-caption").textContent = "Plan: positions at first touch, at the strikes and at the end; filled: at the time below. The wall is the line.";
   table();
+  peaks();
   plan();
 }
 
@@ -270,6 +301,11 @@ function table() {
     + `<tbody>${rows.map((row) => `<tr><th scope="row">${row[0]}</th>${row.slice(1).map((text) => `<td class="n">${text}</td>`).join("")}</tr>`).join("")}</tbody>`;
 }
 
+function peaks() {
+  const rows = data.filters.map(([, label], c) => `<tr><th scope="row">${label}</th><td class="n">${force(motion.peaks[c], false)}</td></tr>`);
+  at("peaks").innerHTML = `<caption>Lateral force on the wall</caption><thead><tr><th scope="col">Filter</th><th scope="col" class="n">peak [${shown("N")[1]}]</th></tr></thead><tbody>${rows.join("")}</tbody>`;
+}
+
 function boxes() {
   const tables = new Map();
   for (const quantity of scene().quantities) {
@@ -313,6 +349,7 @@ function open(number) {
 function save() {
   const parts = [`scene=${scene().name}`, ...[...chosen.values].map(([key, number]) => `${key}=${number}`)];
   if (chosen.units) parts.push("units=us");
+  if (chosen.filter !== 1) parts.push(`filter=${data.filters[chosen.filter][0]}`);
   history.replaceState(null, "", `#${parts.join("&")}`);
 }
 
@@ -323,14 +360,17 @@ function restore() {
   if (number < 0) unknown.push(beyond ? beyond.why : `scene=${name}`);
   chosen.values.clear();
   chosen.units = entries.get("units") === "us" ? 1 : 0;
-  const here = data.scenes[Math.max(number, 0)];
+  const here = data.scenes[Math.max(number, 0)], filter = data.filters.findIndex(([name]) => name === entries.get("filter"));
+  chosen.filter = filter > 0 ? filter : 1;
+  if (entries.has("filter") && filter <= 0) unknown.push(`filter=${entries.get("filter")}`);
   for (const [key, text] of entries) {
-    if (["scene", "units"].includes(key)) continue;
+    if (["scene", "units", "filter"].includes(key)) continue;
     const quantity = here.quantities.find((one) => one.key === key), entered = Number(text);
     if (quantity && text.trim() !== "" && Number.isFinite(entered)) chosen.values.set(key, entered);
     else unknown.push(`${key}=${text}`);
   }
   at("units").value = String(chosen.units);
+  at("filter").value = String(chosen.filter);
   open(Math.max(number, 0));
   at("note").textContent = unknown.length ? `The address has what this page does not know: ${unknown.join(", ")}.` : "";
 }
@@ -405,6 +445,12 @@ async function begin() {
     open(number);
   });
   at("units").addEventListener("change", () => { chosen.units = Number(at("units").value); boxes(); compute(); });
+  at("filter").innerHTML = data.filters.map(([, label], c) => c && c !== MEAN ? `<option value="${c}">${label}</option>` : "").join("");
+  at("filter").addEventListener("change", () => {
+    chosen.filter = Number(at("filter").value);
+    save();
+    if (motion) draw();
+  });
   at("time").addEventListener("input", () => motion && plan());
   at("reset").addEventListener("click", () => { chosen.values.clear(); boxes(); compute(); });
   at("copy-scene").addEventListener("click", () => copy(tomlOf(), "Scene"));

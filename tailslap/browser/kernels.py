@@ -1,20 +1,21 @@
-"""Compiled answers of a page.
+"""Compiled motion of a page with its forces."""
 
-They are a motion with its forces, and the band of many.
-"""
-
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from machine_code.compiled import compact, compiled
-from postprocess.signals.compiled_filters import centred_means
+from postprocess.signals.compiled_filters import centred_means, filter_both_ways
+from postprocess.signals.filters import settling_samples
+from solver import stage_1, stage_2, stage_3
+from solver.conditions import SCALAR
 from solver.impact.accuracy import solve_sample
 from solver.impact.instants import interpolate
 from solver.impact.train import ROUNDING
 from solver.impact.tyres import set_axle_loads
 from solver.rules import MIN_INERTIA
-from tailslap.case.impact.answers import MEAN_WINDOW
+from tailslap.case.corner.rigid_stages import MEAN_WINDOW
 from tailslap.case.impact.rigid import row_interval
 
 POSSIBLE, PLATEAU, LINE, UNLOADING, HARDENING, CENTRE, INERTIA, AXLE, AXLE_LOAD, ENDS = range(10)
@@ -44,32 +45,13 @@ class Parts(NamedTuple):
     copies: np.ndarray
 
 
-class Ranges(NamedTuple):
-    """Ranges of varied quantities.
-
-    quantities, shape (ranges, 3): the varied one, one of which a part is added, and the greatest value; -1 for none.
-    widths, shape (ranges, 6): half the width, absolute, over the quantity, and over the other; both ends of a range
-    that is fixed, NaN otherwise; of an omitted quantity its assumed value over the other, otherwise 0. bounds, shape
-    (ranges, 2): of the key; mass: the quantity that is the vehicle's mass; light, shape (vehicles, 2): masses of light
-    vehicles and their tolerance, by which it varies; drawn, shape (ranges, n): places within the ranges; ends, shape
-    (ranges, 2): result, NaN for a value outside a fixed range.
-    """
-
-    quantities: np.ndarray
-    widths: np.ndarray
-    bounds: np.ndarray
-    mass: int
-    light: np.ndarray
-    drawn: np.ndarray
-    ends: np.ndarray
-
-
 class Motion(NamedTuple):
     """Motion of a page at even instants.
 
     integrals, rates: see `instants.interpolate`; times, shape (instants,); values, shape (instants, columns); integral:
-    workspace; curves, shape (curves, instants): force and its means [N]; widths, shape (curves - 1,): of these [s];
-    peaks: their maxima; strike_means, shape (strikes,): largest 50 ms mean about each strike [N].
+    workspace; curves, shape (curves, instants): force, its means, and low-pass filters of it [N]; widths: of the means
+    [s]; filters, shape (filters, 3): see `LowPass`; padded: workspace; peaks: maxima of the curves; strike_means, shape
+    (strikes,): largest 50 ms mean about each strike [N].
     """
 
     integrals: np.ndarray
@@ -79,19 +61,43 @@ class Motion(NamedTuple):
     integral: np.ndarray
     curves: np.ndarray
     widths: np.ndarray
+    filters: np.ndarray
+    padded: np.ndarray
     peaks: np.ndarray
     strike_means: np.ndarray
     impulse: int
     counted: int
 
 
+class Paper(NamedTuple):
+    """Inputs of the paper's method, by numbers of their quantities.
+
+    columns, shape (8,): speed, angle, friction and restitution of Stage 1, length, width and mass of the vehicle,
+    duration of the strike; -1 without the method. sign: -1 by the paper's convention of restitution, 1 by Newton's.
+    mean, shape (1,): result, the 50 ms mean [N], NaN without one.
+    """
+
+    columns: np.ndarray
+    sign: float
+    mean: np.ndarray
+
+
+class Corner(NamedTuple):
+    """Rectangle about its corner, as of `RectangularBody`."""
+
+    corner_angle: float
+    corner_radius: float
+    mass: float
+
+
 @compact
-def solve_motion(values, parts, case, outcome, motion):
+def solve_motion(values, parts, case, outcome, motion, paper):
     """Solve the impact of these quantities, shape (quantities, 1).
 
     Returns the reason why there is none with its item, the verdict, and the number of instants.
     """
     complete(values, parts, 0)
+    paper.mean[0] = paper_mean(values, paper.columns, paper.sign) if paper.columns[0] >= 0 else np.nan
     reason, item = assemble(values, parts, case[0], case[1], case[2], 0)
     if reason != POSSIBLE:
         return reason, item, 0, 0
@@ -101,6 +107,35 @@ def solve_motion(values, parts, case, outcome, motion):
     if case[4].reached[0] > float(outcome.rows.shape[1] - 1) * outcome.interval[0]:
         return reason, item, MORE_ROWS, 0
     return reason, item, 0, sample(outcome, case[4].reached[0], motion)
+
+
+@compact
+def paper_mean(values, columns, sign):
+    """Return the 50 ms mean of the paper's tail-slap [N].
+
+    NaN where the stages have no solution, as their rules demand.
+    """
+    speed, theta, mu, e = (
+        values[columns[0], 0],
+        values[columns[1], 0],
+        values[columns[2], 0],
+        values[columns[3], 0],
+    )
+    length, width, mass = values[columns[4], 0], values[columns[5], 0], values[columns[6], 0]
+    gamma, radius = math.atan2(width, length), math.hypot(length, width) / 2.0
+    phi = theta + gamma
+    if not (theta > 0.0 and phi < 0.5 * math.pi and mu < math.cos(phi) / math.sin(phi)):
+        return np.nan
+    corner = Corner(gamma, radius, mass)
+    omega, v_p, _ = stage_1.after_impulse(SCALAR, corner, speed, theta, mu, 1.0 + sign * e)
+    if not (omega > 0.0 and (mu == 0.0 or v_p > 0.0)):
+        return np.nan
+    start = stage_2.Start(stage_2.Path(gamma, theta, mu), mass, radius, omega, v_p)
+    _, _, _, _, v_gy, v_p_end, _, _, _, _, _ = stage_2.numbers_at(SCALAR, SCALAR, start, 0.0, 0.0)
+    if not (mu == 0.0 or v_p_end >= 0.0):
+        return np.nan
+    duration = values[columns[7], 0]
+    return stage_3.triangle_mean(2.0 * mass * abs(v_gy) / duration, duration, MEAN_WINDOW)
 
 
 @compiled
@@ -135,14 +170,17 @@ def sample(outcome, end, motion):
         largest = 0.0
         for k in range(1, count):
             if motion.times[k] >= strikes[s, 1] and motion.times[k] - step <= strikes[s, 2]:
-                largest = max(largest, motion.curves[motion.curves.shape[0] - 1, k])
+                largest = max(largest, motion.curves[motion.widths.size, k])
         motion.strike_means[s] = largest
     return count
 
 
 @compiled
 def fill_forces(motion, count, step):
-    """Fill the lateral force, mean since the instant before, and its means."""
+    """Fill the lateral force, mean since the instant before, and filtered.
+
+    As `postprocess.signals.filters.force_curves` does.
+    """
     force = motion.curves[0]
     force[0] = 0.0
     for k in range(1, count):
@@ -150,95 +188,19 @@ def fill_forces(motion, count, step):
         force[k] = (after - before) / (motion.times[k] - motion.times[k - 1])
     for c in range(motion.widths.size):
         centred_means(force, count, 0.5 * motion.widths[c] / step, motion.integral, motion.curves[c + 1])
+    for c in range(motion.filters.shape[0]):
+        curve = motion.curves[c + 1 + motion.widths.size]
+        settling = settling_samples(motion.filters[c, 0], step)
+        padding = min(settling, (motion.padded.size - count) // 2)
+        corner = math.tan(motion.filters[c, 1] * step) / motion.filters[c, 2]
+        filter_both_ways(force, count, padding, corner, motion.padded, curve)
+        last = 1 + max(0, count - 2 - settling)
+        for k in range(last, count if force[count - 1] != 0.0 else last):  # later forces would change these
+            curve[k] = curve[last]
     for c in range(motion.curves.shape[0]):
         motion.peaks[c] = 0.0
         for k in range(1, count):
             motion.peaks[c] = max(motion.peaks[c], motion.curves[c, k])
-
-
-@compact
-def solve_band(
-    nominal, values, parts, ranges, classes, case, outcome, integral, touched, means, forces, percentiles
-):
-    """Solve the impacts of a band.
-
-    The percentiles of their largest means are filled.
-
-    nominal: shape (quantities, 1); values, shape (quantities, n); forces, shape (n,); percentiles, shape (2, m): their
-    places and results. Returns the reason why there is no band with its item, the verdict on a motion, the number of
-    ranges, and the class of vehicles by which the band is calibrated, or -1.
-    """
-    train, tyres, start, choice, clock, work = case
-    complete(nominal, parts, 0)
-    varied, item = spread(nominal, values, ranges)
-    if item >= 0:
-        return ENDS, item, 0, varied, -1
-    interval = choice.interval
-    for i in range(values.shape[1]):
-        reason, item = assemble(values, parts, train, tyres, start, i)
-        if reason != POSSIBLE:
-            return reason, item, 0, varied, -1
-        solve_sample((train, tyres, start[i], choice, clock, work), outcome, i, outcome.rows[0])
-        if outcome.verdict[i] != 0:
-            return POSSIBLE, 0, outcome.verdict[i], varied, -1
-        size = mean_forces(outcome.rows[0], interval, clock.reached[i], touched)
-        centred_means(touched, size, 0.5 * MEAN_WINDOW / interval, integral, means)
-        forces[i] = 0.0
-        for k in range(1, size):
-            forces[i] = max(forces[i], means[k])
-    sort(forces)
-    for k in range(percentiles.shape[1]):
-        place = 0.01 * percentiles[0, k] * float(forces.size - 1)
-        j = min(int(place), forces.size - 2)
-        percentiles[1, k] = forces[j] + (place - float(j)) * (forces[j + 1] - forces[j])
-    return POSSIBLE, 0, 0, varied, calibrate(nominal, parts, classes, percentiles)
-
-
-@compiled
-def calibrate(nominal, parts, classes, percentiles):
-    """Widen percentiles about the median by the class of the vehicle.
-
-    classes, shape (classes, 5): least and greatest speed and mass, and factor on logarithms, NaN for none. Returns the
-    class, or -1.
-    """
-    speed, mass, median = nominal[parts.common[0], 0], 0.0, percentiles[1, percentiles.shape[1] // 2]
-    for u in range(parts.units.shape[0]):
-        mass += nominal[parts.units[u, 2], 0]
-    for c in range(classes.shape[0]):
-        if speed < classes[c, 0] or speed > classes[c, 1] or mass < classes[c, 2] or mass > classes[c, 3]:
-            continue
-        for k in range(percentiles.shape[1] if classes[c, 4] > 0.0 else 0):
-            percentiles[1, k] = median * (percentiles[1, k] / median) ** classes[c, 4]
-        return c
-    return -1
-
-
-@compiled
-def mean_forces(rows, interval, end, touched):
-    """Fill mean forces between rows, after a first value of 0.
-
-    Returns their number.
-    """
-    count, impulse = int(np.ceil(end / interval)), 0.0
-    touched[0] = 0.0
-    for k in range(count + 1):
-        before = impulse
-        if float(k) * interval < end + (1.0 - 1e-9) * interval:  # rows beyond were never written
-            impulse = max(impulse, rows[k, 0]) if k > 0 else rows[0, 0]
-        if k > 0:
-            touched[k] = (impulse - before) / interval
-    return count + 1
-
-
-@compiled
-def sort(values):
-    """Sort values in place, by insertion."""
-    for i in range(1, values.size):
-        value, k = values[i], i
-        while k > 0 and values[max(k - 1, 0)] > value:
-            values[k] = values[k - 1]
-            k -= 1
-        values[k] = value
 
 
 @compiled
@@ -253,44 +215,6 @@ def complete(values, parts, i):
             values[columns[3], i] = 0.5 * length
         if parts.computed[u, 1] == 1:
             values[columns[4], i] = mass * (length**2 + width**2) / 12.0
-
-
-@compiled
-def spread(nominal, values, ranges):
-    """Fill the quantities of all samples, shape (quantities, n).
-
-    Returns the number of ranges, and one whose ends are beyond the bounds of its key, or -1.
-    """
-    varied = 0
-    for i in range(values.shape[1]):
-        for q in range(values.shape[0]):
-            values[q, i] = nominal[q, 0]
-    for r in range(ranges.quantities.shape[0]):
-        q, further, most = ranges.quantities[r, 0], ranges.quantities[r, 1], ranges.quantities[r, 2]
-        value, low, high = nominal[q, 0], ranges.widths[r, 3], ranges.widths[r, 4]
-        if ranges.widths[r, 5] > 0.0:  # assumed where the scene omits it
-            value = ranges.widths[r, 5] * nominal[further, 0]
-        if np.isnan(low):
-            half = ranges.widths[r, 0] + ranges.widths[r, 1] * value
-            if further >= 0:
-                half += ranges.widths[r, 2] * nominal[further, 0]
-            for v in range(ranges.light.shape[0] if q == ranges.mass else 0):
-                if abs(value - ranges.light[v, 0]) <= ranges.light[v, 1]:
-                    half = ranges.light[v, 1]
-            low, high = value - half, value + half
-            if most >= 0:
-                low, high = max(low, 0.0), min(high, nominal[most, 0])
-        margin = 1e-9 * (high - low)
-        if not (value >= low - margin and value <= high + margin):
-            ranges.ends[r, 0] = ranges.ends[r, 1] = np.nan
-            continue
-        ranges.ends[r, 0], ranges.ends[r, 1] = low, high
-        if not (low >= ranges.bounds[r, 0] and low < high and high <= ranges.bounds[r, 1]):
-            return varied, r
-        varied += 1
-        for i in range(values.shape[1]):
-            values[q, i] = low + (high - low) * ranges.drawn[r, i]
-    return varied, -1
 
 
 @compiled

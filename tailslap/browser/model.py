@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 import numpy as np
 
+from postprocess.signals.filters import LOW_PASSES
 from postprocess.units import POUND
 from solver import impact
 from solver.impact.crush_law import LAW
@@ -18,7 +19,7 @@ from solver.impact.strips import LINE_POINTS, SIDES
 from solver.impact.train import Train
 from solver.impact.trajectories import room_for, timing
 from solver.impact.tyres import SUMS, Tyres
-from tailslap.browser import kernels
+from tailslap.browser import bands, kernels
 from tailslap.campaign import band_samples, planar_ranges, sampling
 from tailslap.campaign.input_ranges import HARDENING, LIGHT_VEHICLES, MASS, Range
 from tailslap.case.force_band import PERCENTILES
@@ -38,6 +39,9 @@ UNIT = ("length", "width", "mass", "centre_of_mass", "yaw_inertia", "hitch", "ki
 
 AXLE = ("position", "friction", "cornering")
 """Quantities of an axle in that order."""
+
+PAPER = "impact.friction", "impact.restitution", "strike.duration"
+"""Quantities of the paper's method alone, behind those of the impact."""
 
 MEANS = (0.01, 0.05)
 """Widths of the means of a page, the last that of the answer [s]."""
@@ -85,10 +89,10 @@ def model_of(case: ImpactCase) -> Model:
     parts, (unit, group) = _parts(case, columns), _owners(case)
     solved = [_case(case, parts, unit, group, n) for n in (1, count)]
     table = np.array(values)[:, None]
-    motion = _motion(case, solved[0][1])
+    motion, paper = _motion(case, solved[0][1]), _paper(case, columns)
     interval, means = rigid.INTERVAL, 3
     instants = math.ceil(rigid.LONGEST / interval) + 2
-    workspaces = (np.zeros(instants + 1) for _ in range(means))
+    workspaces = tuple(np.zeros(instants + 1) for _ in range(means))
     percentiles = np.array([PERCENTILES, np.zeros(len(PERCENTILES))], dtype=np.float64)
     varied = _ranges(case, ranges, columns, count)
     samples = np.zeros((len(values), count))
@@ -98,16 +102,18 @@ def model_of(case: ImpactCase) -> Model:
         parts,
         varied,
         _classes(case),
+        _growth(case, count),
         *solved[1],
-        *workspaces,
+        workspaces,
         np.zeros(count),
         percentiles,
     )
     calls = {
-        "motion": (kernels.solve_motion, (table, parts, *solved[0], motion)),
-        "band": (kernels.solve_band, band),
+        "motion": (kernels.solve_motion, (table, parts, *solved[0], motion, paper)),
+        "band": (bands.solve_band, band),
     }
-    return Model(calls, (*nominal, *[""] * (len(values) - len(nominal))), ranges)
+    keys = *nominal, *PAPER
+    return Model(calls, (*keys, *[""] * (len(values) - len(keys))), ranges)
 
 
 def demand_planar(case: Any) -> None:
@@ -150,6 +156,9 @@ def _columns(case: ImpactCase, nominal: Mapping[str, float]) -> tuple[dict[str, 
         columns[key] = len(values)
         values.append(value)
 
+    for key in PAPER:
+        value = value_at(case.scene, key)
+        constant(key, math.nan if value is None else float(value))
     constant("zero", 0.0)
     constant("infinite", math.inf)
     for number, strip in enumerate(case.scene.strip):
@@ -268,17 +277,35 @@ def _case(
 def _motion(case: ImpactCase, outcome: Any) -> kernels.Motion:
     """Return memory for the motion of a page."""
     units, instants = len(case.vehicles), MOST_INSTANTS
-    names = column_names(units, bool(case.axles))
+    names, curves = column_names(units, bool(case.axles)), 1 + len(MEANS) + len(LOW_PASSES)
     return kernels.Motion(
         *rate_columns(units, names), np.zeros(instants), np.zeros((instants, len(names))), np.zeros(instants + 1),
-        np.zeros((1 + len(MEANS), instants)), np.array(MEANS), np.zeros(1 + len(MEANS)),
+        np.zeros((curves, instants)), np.array(MEANS), np.array([*LOW_PASSES.values()]), np.zeros(2 * instants),
+        np.zeros(curves),
         np.zeros(outcome.strikes.shape[1]), names.index("impulse_normal"), answers.counted(units),
     )  # fmt: skip
 
 
+def _paper(case: ImpactCase, columns: Mapping[str, int]) -> kernels.Paper:
+    """Return the inputs of the paper's method, which trains lack."""
+    keys = ("impact.speed", "impact.angle", *PAPER[:2], *(f"vehicle.{name}" for name in UNIT[:3]), PAPER[2])
+    table = case.scene.impact
+    is_possible = table and None not in (table.friction, table.restitution) and not case.scene.trailer
+    places = [columns[key] if is_possible else -1 for key in keys]
+    sign = 1.0 if table and table.convention == "newton" else -1.0
+    return kernels.Paper(np.array(places), sign, np.zeros(1))
+
+
+def _growth(case: ImpactCase, count: int) -> bands.Growth:
+    """Return memory for the growth of the force."""
+    pairs = min(band_samples.PAIRS, count // 4)
+    speeds = [*band_samples.two_speeds(case).values()]
+    return bands.Growth(np.array(speeds), np.zeros((2, pairs)), np.zeros(1))
+
+
 def _ranges(
     case: ImpactCase, ranges: tuple[Range, ...], columns: Mapping[str, int], count: int
-) -> kernels.Ranges:
+) -> bands.Ranges:
     """Return the rules of the ranges about other values, the mass first."""
     rows, widths, bounds = [], [], []
     for item in ranges:
@@ -306,7 +333,7 @@ def _ranges(
         bounds.append(key_bounds(item.key, case))
     light = [[POUND * mass, POUND * tolerance] for mass, tolerance in LIGHT_VEHICLES.values()]
     drawn = sampling.latin_hypercube(len(ranges), count, np.random.default_rng(sampling.SEED))
-    return kernels.Ranges(
+    return bands.Ranges(
         np.array(rows),
         np.array(widths),
         np.array(bounds),
@@ -314,6 +341,9 @@ def _ranges(
         np.array(light),
         drawn,
         np.zeros((len(ranges), 2)),
+        np.zeros(len(ranges)),
+        np.zeros((len(ranges), count)),
+        np.zeros((len(ranges), len(ranges) + 1)),
     )
 
 
@@ -324,7 +354,7 @@ def classes_of(case: ImpactCase) -> list[VehicleClass]:
 
 
 def _classes(case: ImpactCase) -> np.ndarray:
-    """Return the classes of `kernels.calibrate`."""
+    """Return the classes of `bands.calibrate`."""
     rows = [[*one.speeds, *one.masses, one.calibration["factor"] or math.nan] for one in classes_of(case)]
     return np.array(rows, dtype=np.float64).reshape(-1, 5)
 

@@ -17,10 +17,13 @@ import tailslap
 from machine_code import web_assembly
 from postprocess.report.page import template, template_text
 from postprocess.signals.design_forces import design_forces
+from postprocess.signals.filters import LABELS
+from postprocess.units import SYSTEMS
 from solver import rules
-from tailslap.browser import kernels, model, plate
-from tailslap.campaign import sampling
-from tailslap.case.force_band import PERCENTILES, Calibration, ForceBand
+from tailslap.browser import bands, kernels, model, plate
+from tailslap.campaign import band_samples, sampling
+from tailslap.campaign.input_ranges import Range
+from tailslap.case.force_band import LEAST_NAMED, MOST_NAMED, PERCENTILES, Calibration, ForceBand
 from tailslap.case.impact import rigid
 from tailslap.case.of_arguments import case_of_scene
 from tailslap.case.report_parts import design_forces_of
@@ -77,7 +80,8 @@ READ = (
     "motion.case.0.group", "motion.case.0.plateau_force", "motion.case.1.load", "motion.case.1.unit",
     "motion.case.4.reached", "motion.outcome.rows", "motion.outcome.interval", "motion.outcome.strikes",
     "motion.outcome.error", "motion.motion.values", "motion.motion.curves", "motion.motion.strike_means",
-    "motion.motion.times", "motion.motion.peaks", "band.ranges.ends", "band.percentiles", "band.forces", DRAWN,
+    "motion.motion.times", "motion.motion.peaks", "motion.paper.mean", "band.ranges.fractions", "band.growth.speeds",
+    "band.growth.ratio", "band.ranges.ends", "band.percentiles", "band.forces", DRAWN,
 )  # fmt: skip
 """Arrays that the script of a page reads or fills."""
 
@@ -151,6 +155,9 @@ def page_of(names: Iterable[str]) -> str:
             hex(np.random.default_rng(sampling.SEED).bit_generator.state["state"][k])
             for k in ("state", "inc")
         ],
+        "filters": [*LABELS.items()],
+        "named": [LEAST_NAMED, MOST_NAMED],
+        "growth": band_samples.SPEEDS,
         "percentiles": len(PERCENTILES),
         "force": rigid.RigidImpact.force_words,
         "band": ForceBand().name,
@@ -212,7 +219,6 @@ def _scene(
     arrays = memory.arrays.items()
     filled = [(place.at, place.content) for key, place in arrays if place.content and key != DRAWN]
     loads = [[load, design.force] for load, design in design_forces_of(case.scene).items()]
-    origins = {item.key: item.origin for item in built.ranges}
     text = scene_text(name)
     return {
         "name": case.scene.name,
@@ -223,14 +229,15 @@ def _scene(
         "calls": memory.calls,
         "arrays": {key: [p.at, p.kind, p.shape, p.slot] for key, p in memory.arrays.items() if key in READ},
         "contents": [(at, contents.number(content)) for at, content in [*filled, *memory.slots]],
-        "drawn": contents.number(_parts_of(cast(kernels.Ranges, built.calls["band"][1][3]).drawn)),
+        "drawn": contents.number(_parts_of(cast(bands.Ranges, built.calls["band"][1][3]).drawn)),
         "size": memory.size,
         "quantities": [
             _quantity(case, key, column, texts)
             for column, key in enumerate(built.quantities)
             if _is_offered(case, key)
         ],
-        "ranges": [[item.key, origins[item.key], item.unit] for item in built.ranges],
+        "ranges": [_range(item) for item in built.ranges],
+        "speed": _speed(case),
         "parts": [_part(group) for group in case.names],
         "units": parts.units[:, [0, 1, 3]].tolist(),
         "classes": [
@@ -269,6 +276,19 @@ def _part(group: str) -> str:
 def _is_offered(case: ImpactCase, key: str) -> bool:
     """Return True for a quantity that stands in the scene."""
     return bool(key) and "@" not in key and isinstance(value_in(case.source.tables, key), int | float | str)
+
+
+def _range(item: Range) -> list[Any]:
+    """Return key, origin, name, and scale and units of the text of a range."""
+    scale, unit = (1e-6, "MN/m") if item.unit == "N/m" else (1.0, item.unit)
+    displayed = [system.of(unit) for system in SYSTEMS.values()]
+    return [item.key, item.origin, band_samples.input_name(item.key), scale, displayed]
+
+
+def _speed(case: ImpactCase) -> tuple[float, str]:
+    """Return the factor from SI, and the name of the scene's unit of speed."""
+    unit = case.quantity("impact.speed").partition(" ")[2] or "m/s"
+    return units.converted(1.0, "m/s", unit), unit
 
 
 def _quantity(case: ImpactCase, key: str, column: int, texts: _Numbered[str]) -> dict[str, Any]:

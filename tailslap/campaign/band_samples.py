@@ -70,7 +70,7 @@ def force_band(case: Case) -> ForceBand:
         if len(rows) < sampling.MIN_ROWS:
             return ForceBand(refusal=f"{TOO_FEW}; {reason}")
         inputs = {key: values[rows] for key, values in inputs.items()}
-        speeds = _two_speeds(case)
+        speeds = two_speeds(case)
         columns = solve(_with_speeds(inputs, [*speeds.values()], pairs))
     except InputError as error:
         return ForceBand(refusal=str(error))
@@ -80,7 +80,7 @@ def force_band(case: Case) -> ForceBand:
     return _with_growth(band, tuple(speeds), next(iter(columns.values()))[len(rows) :].reshape(-1, pairs))
 
 
-def _two_speeds(case: Case) -> dict[str, float]:
+def two_speeds(case: Case) -> dict[str, float]:
     """Return a lower and a higher speed [m/s] by text.
 
     They are 0.8 and 1.33 of the scene's, and have two digits in its unit. Empty for a scene that starts later.
@@ -170,10 +170,14 @@ def _band(ranges: tuple[Range, ...], inputs: Columns, columns: Columns) -> Force
     )
 
 
+def input_name(key: str) -> str:
+    """Return an input in words."""
+    return WORDS.get(key, WORDS.get(key.partition("@")[0].rpartition(".")[2], f"`{key}`"))
+
+
 def in_words(item: Range) -> str:
     """Return an input with its range in words."""
-    last = WORDS.get(item.key.partition("@")[0].rpartition(".")[2], f"`{item.key}`")
-    name = WORDS.get(item.key, last)
+    name = input_name(item.key)
     span = item.in_words()[0]
     if "*" in item.key:
         span = f"{item.lower:.2g} to {item.upper:.2g} times that of the scene"

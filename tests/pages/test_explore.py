@@ -4,7 +4,6 @@ import gzip
 import importlib.util
 import json
 import re
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,8 @@ import pytest
 from browser.session import CHROMIUM, chromium
 
 from machine_code import web_assembly
-from postprocess.units import SYSTEMS
+from postprocess.signals.filters import LABELS, LOW_PASSES
+from postprocess.units import MPH, SYSTEMS
 from tailslap import cli
 from tailslap.browser import page
 from tailslap.case.corner.corner_run import attempt
@@ -114,27 +114,31 @@ def settled(tab: Any) -> str:
     return str(tab.inner_text("#headline"))
 
 
-def answer(scene: str, changes: Any = None, units: str = "si") -> str:
-    """Return the first line of `tailslap rigid`.
-
-    It is without what decides the force, its growth, and the paper's method.
-    """
+def texts(scene: str, changes: Any = None, units: str = "si") -> tuple[str, str]:
+    """Return the answer of `tailslap rigid`, and the origin of its band."""
     case = case_of_scene(scene, changes)
-    band = replace(calibrated_band(case), decisive=(), growth=0.0)
-    return case.headline(band).in_units(SYSTEMS[units]).answer.partition(" Paper's method")[0]
+    band = calibrated_band(case)
+    return case.headline(band).in_units(SYSTEMS[units]).answer, SYSTEMS[units].rendered(band.sentence)
+
+
+def answer(scene: str, changes: Any = None, units: str = "si") -> str:
+    """Return the answer of `tailslap rigid`."""
+    return texts(scene, changes, units)[0]
 
 
 @in_chromium
 @pytest.mark.parametrize(("scene", "changes", "units"), [
-    (TRUCK, {}, "si"), (TRUCK, {"impact.speed": 30.0, "contact.friction": 0.6}, "us"), (TRAIN, {}, "us"),
+    (TRUCK, {}, "si"), (TRAIN, {}, "us"),
+    (TRUCK, {"impact.speed": 30.0, "contact.friction": 0.6, "impact.restitution": 0.4}, "us"),
 ])  # fmt: skip
 def test_a_link_has_the_answer_of_the_command(browser, file, scene, changes, units):
-    """Without a request but for the file."""
+    """Without a request but for the file. A changed speed has the unit of the page."""
+    of_page = {"impact.speed": f"{changes['impact.speed'] / MPH:.17g} mph"} if changes else {}
     address = "&".join(
         [f"#scene={scene}", *(f"{key}={value}" for key, value in changes.items()), f"units={units}"]
     )
     tab = opened(browser, file, address)
-    assert settled(tab) == answer(scene, changes, units)
+    assert (settled(tab), tab.inner_text("#band")) == texts(scene, changes | of_page, units)
     assert tab.errors == []
     assert len(tab.requests) == 1
 
@@ -157,6 +161,21 @@ def test_a_box_changes_answer_address_and_scene(browser, file, tmp_path):
     tab.focus('[data-key="impact.speed"] input[type=range]')
     tab.keyboard.press("ArrowRight")
     tab.wait_for_function("() => location.hash.includes('impact.speed=')")
+
+
+@in_chromium
+def test_a_filter_is_chosen_and_stands_in_the_address(browser, file):
+    """Peaks are those of `tailslap rigid`."""
+    tab = opened(browser, file)
+    peaks = case_of_scene(TRUCK, None).answer.peaks  # type: ignore[attr-defined]
+    for (name, label), row in zip(LABELS.items(), tab.query_selector_all("#peaks tbody tr"), strict=True):
+        assert row.inner_text().split("\t") == [label, f"{peaks[name] / 1e3:.0f}"]
+    for name in LOW_PASSES:
+        tab.select_option("#filter", label=LABELS[name])
+        assert f"filter={name}" in tab.evaluate("location.hash")
+        assert LABELS[name] in tab.inner_text("#keys")
+    again = opened(browser, file, tab.evaluate("location.hash"))
+    assert again.inner_html("#force") == tab.inner_html("#force")
 
 
 @in_chromium

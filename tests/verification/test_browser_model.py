@@ -7,6 +7,7 @@ import pytest
 from web_module import Module
 
 import tailslap
+from postprocess.signals.filters import FILTERS, force_curves
 from tailslap.browser import model
 from tailslap.case.of_arguments import case_of_scene
 from tailslap.errors import InputError
@@ -51,20 +52,62 @@ FURTHER = [
 def test_answers_are_those_of_the_functions_of_python(name, changes):
     """Motion, forces and band are those of `tailslap rigid`."""
     case: Any = case_of_scene(name, changes)
-    calls: Any = model.model_of(case).calls
+    built: Any = model.model_of(case)
+    calls = built.calls
     kernel, arguments = calls["motion"]
     reason, _, verdict, count = kernel(*arguments)
     assert (reason, verdict) == (0, 0)
-    motion, answer = arguments[-1], case.answer
+    (motion, paper), answer = arguments[-2:], case.answer
     columns = answer.columns
     assert motion.times[:count] == pytest.approx(columns["t"], rel=1e-15)
-    for name, curve in {"force_normal": 0, "force_normal_mean_10ms": 1, "force_normal_mean_50ms": 2}.items():
-        largest = np.abs(columns[name]).max()
-        np.testing.assert_allclose(motion.curves[curve, 1:count], columns[name][1:], atol=1e-9 * largest)
-    assert motion.peaks[2] == pytest.approx(answer.peaks["mean_50ms"], rel=1e-11)
+    for name, curve in zip(FILTERS, motion.curves, strict=True):
+        column = columns["force_normal" if name == "raw" else f"force_normal_{name}"]
+        np.testing.assert_allclose(curve[1:count], column[1:], atol=1e-9 * np.abs(column).max())
+    assert motion.peaks == pytest.approx(list(answer.peaks.values()), rel=1e-10)
+    expected = case.paper_method["mean_50ms"] if case.paper_method else np.nan
+    assert paper.mean[0] == pytest.approx(expected, rel=1e-12, nan_ok=True)
     kernel, arguments = calls["band"]
     assert kernel(*arguments)[:3] == (0, 0, 0)
-    assert arguments[-1][1] == pytest.approx(calibrated_band(case).limits, rel=1e-9)
+    band, (_, _, _, ranges, _, growth, *_, percentiles) = calibrated_band(case), arguments
+    assert percentiles[1] == pytest.approx(band.limits, rel=1e-9)
+    fractions = zip((item.key for item in built.ranges), ranges.fractions, strict=True)
+    varied = {key: fraction for key, fraction in fractions if key not in band.fixed}
+    assert varied == pytest.approx(band.variance_fractions, rel=1e-7)
+    assert growth.ratio[0] == pytest.approx(band.growth, rel=1e-9)
+
+
+@pytest.mark.parametrize(("size", "is_cut"), [(400, False), (257, True)])
+def test_filters_of_a_page_are_those_of_signals(size, is_cut):
+    """They agree to 1e-12 of the largest force, natively and as WebAssembly."""
+    case: Any = case_of_scene("impact-mash-tl3-car", None)
+    calls: Any = model.model_of(case).calls
+    motion, interval = calls["motion"][1][-2], 2e-4
+    force = np.random.default_rng(size).uniform(0.0, 1e5, size)
+    force[0], force[-1] = 0.0, 1e4 if is_cut else 0.0
+    motion.times[:size] = interval * np.arange(size)
+    motion.values[1:size, motion.impulse] = np.cumsum(force[1:]) * interval
+    calls = {"fill": (model.kernels.fill_forces, (motion, size, interval))}
+    module = Module(calls)
+    module.call("fill")
+    kernel, arguments = calls["fill"]
+    kernel(*arguments)
+    raw = motion.curves[0, 1:size]
+    for curves in (motion.curves, module["fill.motion.curves"]):
+        for name, curve in force_curves(raw, interval).items():
+            at = curves[[*FILTERS].index(name), 1:size]
+            np.testing.assert_allclose(at, curve, rtol=0.0, atol=1e-12 * raw.max())
+
+
+@pytest.mark.parametrize(("changes", "rest"), [
+    ({"impact.friction": 3.0}, None), ({"impact.friction": 0.0}, 1.0), ({"impact.restitution": 1.0}, None),
+])  # fmt: skip
+def test_the_paper_s_method_has_an_answer_where_its_rules_hold(changes, rest):
+    case: Any = case_of_scene("impact-mash-tl4-sut", changes)
+    kernel, arguments = model.model_of(case).calls["motion"]
+    kernel(*arguments)
+    mean = arguments[-1].mean[0]  # type: ignore[attr-defined]
+    assert (case.paper_method is None) == bool(np.isnan(mean)) == (rest is None)
+    assert rest is None or mean == pytest.approx(case.paper_method["mean_50ms"], rel=1e-12)
 
 
 def test_ends_of_ranges_are_those_of_the_command():
@@ -111,7 +154,7 @@ def test_a_motion_in_webassembly_has_the_same_numbers(name):
     module.call("motion")
     count = kernel(*arguments)[3]
     assert module.call("motion", 4).view(np.int64).tolist() == [0, 0, 0, count]
-    motion = arguments[-1]
+    motion = arguments[-2]
     for values, other in (
         (motion.values, module["motion.motion.values"]),
         (motion.curves.T, module["motion.motion.curves"].T),

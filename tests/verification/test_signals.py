@@ -94,7 +94,7 @@ def test_a_force_that_is_cut_is_filtered_as_far_as_later_values_do_not_count(nam
     complete = force_curves(pulse, 1e-4)[name]
     for rows in (1200, 1300, 1450):
         filtered = force_curves(pulse[:rows], 1e-4)[name]
-        settled = rows - filters.settling_samples(filters.CUTOFFS[name], 1e-4)
+        settled = rows - filters.settling_samples(filters.LOW_PASSES[name].cutoff, 1e-4)
         assert filtered[:settled] == pytest.approx(complete[:settled], abs=2e-3)
         assert np.ptp(filtered[settled:]) == 0.0
 
