@@ -29,7 +29,7 @@ def chosen(condition: bool, yes: float, no: float) -> float:
 
 
 class Functions(NamedTuple):
-    """Functions of floats by the names of NumPy's, a tuple that kernels take too."""
+    """Functions of floats by NumPy's names, for kernels too."""
 
     sin: Any = math.sin
     cos: Any = math.cos

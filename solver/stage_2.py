@@ -87,7 +87,7 @@ def _slowness(f: Any, mu: Number, d_ratio: Number, j: Number) -> Number:
 
 
 def _course(f_0: Any, f: Any, path: Path, theta: Number) -> tuple[Any, Any]:
-    """Return D/D_0 and J at theta by the functions of path and theta.
+    """Return D/D_0 and J by functions of path and theta.
 
     J = (2/k) [atan((2 tan(phi) + p)/k) - atan((2 tan(phi_0) + p)/k)], p = 3 mu, k^2 = 16 - p^2, but as one angle,
     which avoids the pole of the tangent and the branches of its inverse; beyond |mu| = 4/3, k is imaginary.

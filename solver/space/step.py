@@ -9,12 +9,13 @@ import numpy as np
 
 from machine_code.compiled import compact, compiled
 from solver.space import state as col
-from solver.space.axles import press_axles, twist_hinges
 from solver.space.dynamics import assemble, begin_step, close_hinges, kick, move, rotated, turned_back
 from solver.space.forces import (
     add_force,
     point_velocity,
+    press_axles,
     press_strips,
+    twist_hinges,
 )
 from solver.space.rows import end_row, means, record
 from solver.space.stopping import add_stopped, returns_nothing, stop_strips

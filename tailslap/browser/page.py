@@ -279,14 +279,14 @@ def _is_offered(case: ImpactCase, key: str) -> bool:
 
 
 def _range(item: Range) -> list[Any]:
-    """Return key, origin, name, and scale and units of the text of a range."""
+    """Return key, origin, name, scale and units of a range."""
     scale, unit = (1e-6, "MN/m") if item.unit == "N/m" else (1.0, item.unit)
     displayed = [system.of(unit) for system in SYSTEMS.values()]
     return [item.key, item.origin, band_samples.input_name(item.key), scale, displayed]
 
 
 def _speed(case: ImpactCase) -> tuple[float, str]:
-    """Return the factor from SI, and the name of the scene's unit of speed."""
+    """Return factor and name of the scene's unit of speed."""
     unit = case.quantity("impact.speed").partition(" ")[2] or "m/s"
     return units.converted(1.0, "m/s", unit), unit
 

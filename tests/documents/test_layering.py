@@ -26,7 +26,7 @@ def graph():
 
 STEPS = ("accuracy", "contact", "counting", "instants", "step", "trajectories", "solve", "tyres")
 IN_SPACE = (
-    "axles", "columns", "dynamics", "forces", "motion", "rows", "solve", "step", "stopping", "verdict", "wall",
+    "columns", "dynamics", "forces", "motion", "points", "rows", "solve", "step", "stopping", "verdict", "wall",
 )  # fmt: skip
 COMPILED = {
     "postprocess.signals.compiled_filters",

@@ -132,7 +132,7 @@ def answer(scene: str, changes: Any = None, units: str = "si") -> str:
     (TRUCK, {"impact.speed": 30.0, "contact.friction": 0.6, "impact.restitution": 0.4}, "us"),
 ])  # fmt: skip
 def test_a_link_has_the_answer_of_the_command(browser, file, scene, changes, units):
-    """Without a request but for the file. A changed speed has the unit of the page."""
+    """No request is made but for the file."""
     of_page = {"impact.speed": f"{changes['impact.speed'] / MPH:.17g} mph"} if changes else {}
     address = "&".join(
         [f"#scene={scene}", *(f"{key}={value}" for key, value in changes.items()), f"units={units}"]

@@ -1,4 +1,4 @@
-"""Verify that commands and code of the pages run, and that references are current."""
+"""Verify that commands of pages run and references are current."""
 
 import contextlib
 import inspect

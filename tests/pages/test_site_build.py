@@ -1,4 +1,4 @@
-"""Verify that the site of the docs builds, and its pages in Chromium."""
+"""Verify the build of the site, and its pages in Chromium."""
 
 import contextlib
 import functools

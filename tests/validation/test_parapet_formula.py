@@ -14,7 +14,7 @@ pytestmark = pytest.mark.validation
     [(4.35, 5.77, None, 38.8), (1.88, 5.64, (2.13, 7.38), 28.3)],
 )
 def test_worked_examples_of_a_barrier(wall, base, lengths, force):
-    """Interior of barriers with H 0.85 m, L_t 1.07 m, in t and m, to all digits.
+    """Barriers with H 0.85 m and L_t 1.07 m, to all digits.
 
     MEMCALC_PRO_MAX (github.com/1xmanMAX), review of its bridges; DISENO_PUENTE_VIGA_1TRAMO (github.com/rsantiagojarah)
     after Rodríguez Serquén, Puentes con AASHTO-LRFD (2020), which also states L_c and R_w/(L_c + 2 H).

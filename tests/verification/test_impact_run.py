@@ -704,7 +704,7 @@ def test_a_chosen_mesh_is_refined_while_its_error_exceeds_the_limit(limit, resti
     (16, (0.05, 0.01), [(10, 4)]), (16, (0.05, 0.03, 0.01), [(10, 4), (80, 32)]), (32, (0.05, 0.03), [(20, 8)]),
 ])  # fmt: skip
 def test_a_finest_mesh_is_run_before_a_check_fails(across, estimates, others, monkeypatch):
-    """It is run where two meshes and a coarser third do not suffice.
+    """It is run where two meshes and a third do not suffice.
 
     Before, the peak of an impact was stated to 3.2 %, and the finest mesh changed it by 0.05 %.
     """

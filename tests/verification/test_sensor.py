@@ -64,7 +64,7 @@ def test_in_space_the_sensor_is_a_point_of_the_body(position, height):
 
 @pytest.mark.parametrize(("name", "label"), [(IMPACT, "rigid"), (SPACE, "space")])
 def test_files_have_the_motion_of_the_sensor(name, label, tmp_path):
-    """Mass times the largest 50 ms mean of a file's acceleration is the printed force.
+    """A file's acceleration times mass is the printed force.
 
     Without [sensor] a file has none.
     """

@@ -128,7 +128,7 @@ def coarser(plate: Plate) -> Plate | None:
 
 
 def finer(plate: Plate, most: int = FINER_UP_TO) -> Plate | None:
-    """Return a mesh twice as fine, None if it has more elements than `most`."""
+    """Return a mesh twice as fine, of at most `most` elements."""
     finest = refined(plate)
     return finest if math.prod(finest.counts) <= most else None
 
