@@ -163,16 +163,17 @@ def loading_force(crush, depth):
 
 
 @compiled
-def crush_force(crush, deepest, mean, compliance, depth):
+def crush_force(crush, deepest, beyond, compliance, depth):
     """Return the normal force [N] at the end of the step.
 
-    depth: of `loading_depth`, with a force that acts throughout the step. On the line (deepest - d) / length = 1 - N /
-    peak, and d = mean - compliance N; a line without length drops at once.
+    beyond: mean depth without force, from the deepest point, since both may agree in most digits; depth: of
+    `loading_depth`, with a force that acts throughout the step. On the line (deepest - d) / length = 1 - N / peak, and
+    d - deepest = beyond - compliance N; a line without length drops at once.
     """
     if depth > deepest:
         return loading_force(crush, depth)
     peak, _, length, _ = crush_line(crush, deepest)
-    return peak * max(length - deepest + mean, 0.0) / (length + compliance * peak) if peak > 0.0 else 0.0
+    return peak * max(length + beyond, 0.0) / (length + compliance * peak) if peak > 0.0 else 0.0
 
 
 def coulomb_force(stopping: float, limit: float) -> float:

@@ -69,7 +69,7 @@ def crush_of(law: Crush, i: int) -> PointCrush:
 def _crush_force(law: Crush, i: int, before: float, free: float, deepest: float, inertia: float) -> float:
     crush, compliance, mean = crush_of(law, i), 0.5 / inertia, 0.5 * (before + free)
     depth = loading_depth(crush, mean, compliance, 1.0)
-    return crush_force(crush, deepest, mean, compliance, depth)
+    return crush_force(crush, deepest, mean - deepest, compliance, depth)
 
 
 def _crush_stored(law: Crush, i: int, before: float, depth: float, deepest: float, force: float) -> float:

@@ -109,15 +109,15 @@ def unloading_length(point):
 def _normal_force(point, free, inertia):
     """Return the normal force of a point.
 
-    The step ends at the depth `free` [m] without it, and N/inertia less with it.
+    The step ends at the depth `free` from the deepest without it, and N/inertia less with it.
     """
     crush, deepest, part = crush_of(point), point[col.DEEPEST], point[col.PART]
-    compliance, mean = 0.5 / inertia, 0.5 * (point[col.EARLIER] + free)
-    depth = loading_depth(crush, mean, compliance, part)
+    compliance, beyond = 0.5 / inertia, 0.5 * (point[col.EARLIER] + free)
+    depth = loading_depth(crush, deepest + beyond, compliance, part)
     if unloading_length(point) <= 0.0:
         most = part * loading_force(crush, max(depth, deepest))
-        return min(max(inertia * (free - max(deepest, point[col.DEPTH])), 0.0), most)
-    return crush_force(crush, deepest, mean, compliance, depth)
+        return min(max(inertia * (free - max(point[col.DEPTH], 0.0)), 0.0), most)
+    return crush_force(crush, deepest, beyond, compliance, depth)
 
 
 @compiled
@@ -129,14 +129,13 @@ def _part(point, ahead):
     closing = ahead - point[col.DEPTH]
     if unloading_length(point) > 0.0 or closing <= 0.0:
         return 1.0
-    return min(max(0.5 + (point[col.DEPTH] - point[col.DEEPEST]) / closing, 0.0), 1.0)
+    return min(max(0.5 + point[col.DEPTH] / closing, 0.0), 1.0)
 
 
 @compiled
-def deepest_mean(point):
-    """Return the greatest mean depth of a point up to this step."""
-    mean = 0.5 * (point[col.EARLIER] + point[col.AHEAD]) if point[col.NORMAL] > 0.0 else 0.0
-    return max(point[col.DEEPEST], mean)
+def deepening(point):
+    """Return the mean depth of a point beyond the deepest so far."""
+    return max(0.5 * (point[col.EARLIER] + point[col.AHEAD]), 0.0) if point[col.NORMAL] > 0.0 else 0.0
 
 
 @compiled

@@ -91,7 +91,7 @@ def _pressed_during(point, last, h, t):
     """
     peak, _, length, _ = crush_line(crush_of(point), point[col.DEEPEST])
     rate = (point[col.AHEAD] - point[col.EARLIER]) / (0.5 * last + 1.5 * h)
-    beyond = point[col.DEPTH] - max(point[col.DEEPEST] - length, 0.0)
+    beyond = point[col.DEPTH] + min(length, point[col.DEEPEST])
     first, until = t, t + h
     if rate > 0.0:
         first = max(t - beyond / rate, t - h, 0.0)

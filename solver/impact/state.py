@@ -30,9 +30,11 @@ follow for each the wall's impulses on it, normal and tangential [N s]."""
 
 ALONG, ACROSS, STIFFNESS, INITIAL, PLATEAU, RESTITUTION, UNLOADING, FRICTION, X, Y = range(10)
 DEPTH, EARLIER, AHEAD, DEEPEST, NORMAL, TANGENTIAL, PART, RATE, FOOT, HARDENING = range(10, 20)
-"""Columns of points: as in `Train`; arm about the centre of mass; depth now, a step before, a step ahead, and the
-deepest mean so far [m]; forces [N]; part of the step in which the force acts; for trains the rate of the depth
-[m/s] and the depth at which the line of unloading ends [m]; hardening as in `Train`."""
+"""Columns of points: as in `Train`; arm about the centre of mass; depth now, a step before and a step ahead, from the
+deepest mean so far, and that itself [m]; forces [N]; part of the step in which the force acts; for trains the rate of
+the depth [m/s] and the depth at which the line of unloading ends, from the deepest [m]; hardening as in `Train`. A line
+of unloading may be shorter than a micrometre: depths add up the motion of each step, and are no differences of
+coordinates, whose rounding would change the force."""
 
 SLOT, FIRST, LAST, FORCE, BEFORE, STAMP, WHOLE, AFTER = range(8)
 """Columns of groups: number of the latest strike, its start and end so far [s]; forces of this step and the one
@@ -50,10 +52,11 @@ class Work(NamedTuple):
 
     Columns of its tables are named above. points: a row for each point; point_owner: its unit and group; motion, shape
     (3, 3 units): places and angles, velocities half a step ago and half a step ahead; masses: inverse mass of each
-    velocity; load: accelerations by the external load; headings: cosine and sine of each unit's angle; joints: hitch
-    and kingpin of each hinge; ties: its two conditions, as of `step`; reach: from each centre of mass to the farthest
-    point; effect: velocities by a unit impulse along and across on each point; groups: a row for each; active:
-    points that may touch in this step; sums: impulses and works so far.
+    velocity; load: accelerations by the external load; headings: cosine and sine of each unit's angle, sine and
+    versine of its rotation in the step; joints: hitch and kingpin of each hinge; ties: its two conditions, as of
+    `step`; reach: from each centre of mass to the farthest point; effect: velocities by a unit impulse along and
+    across on each point; groups: a row for each; active: points that may touch in this step; sums: impulses and
+    works so far.
     """
 
     points: np.ndarray
@@ -76,7 +79,7 @@ def workspace(units: int, hinges: int, points: int, groups: int) -> Work:
     size = 3 * units
     return Work(
         np.zeros((points, 20)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
-        np.zeros(size), np.zeros((units, 2)), np.zeros((hinges, 2)), np.zeros((2 * hinges, 2 * size + 1)),
+        np.zeros(size), np.zeros((units, 4)), np.zeros((hinges, 2)), np.zeros((2 * hinges, 2 * size + 1)),
         np.zeros(units), np.zeros((points, 2, size)), np.zeros((groups, 8)), np.zeros(points, dtype=np.int64),
         np.zeros(columns(units) - 6 * units - 4),
     )  # fmt: skip

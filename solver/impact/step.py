@@ -19,7 +19,7 @@ import numpy as np
 from fem.laws.contact_forces import crush_line
 from machine_code.compiled import compiled, inlined
 from solver.impact import state as col
-from solver.impact.contact import crush_of, deepest_mean, mean_speeds, press, unloading_length
+from solver.impact.contact import crush_of, deepening, mean_speeds, press, unloading_length
 from solver.impact.counting import count_strikes, end_of_motion, mark_cut
 from solver.impact.tyres import end_tyre_step, record_tyres, start_tyres, steer
 
@@ -156,7 +156,7 @@ def _parts_of_step(points, clock, i, part, parts_taken, last):
     phase, near, floor = clock.phase * clock.pace[i], NEAR * clock.pace[i], clock.floor
     shortest = np.inf
     for p in range(points.shape[0]):
-        depth, deepest = points[p, col.DEPTH], points[p, col.DEEPEST]
+        depth = points[p, col.DEPTH]
         upright = points[p, col.RESTITUTION] == 0.0 and points[p, col.UNLOADING] == 0.0
         rate = (depth - points[p, col.EARLIER]) / last
         slowing = (points[p, col.RATE] - rate) / last
@@ -165,22 +165,22 @@ def _parts_of_step(points, clock, i, part, parts_taken, last):
         if depth <= points[p, col.FOOT] + ROUNDED:
             if rate > 0.0:
                 time_left = near * (points[p, col.FOOT] - depth) / rate
-                length = deepest - points[p, col.FOOT]
+                length = -points[p, col.FOOT]
                 least = pressed if upright else floor * (phase * length / rate if length > 0.0 else pressed)
                 shortest = min(shortest, max(time_left, least))
             continue
         shortest = min(shortest, pressed)
         if upright:
-            points[p, col.FOOT] = deepest
-        elif rate > 0.0 and depth >= deepest - ROUNDED:
+            points[p, col.FOOT] = 0.0
+        elif rate > 0.0 and depth >= -ROUNDED:
             if slowing > 0.0:
                 least = floor * phase * np.sqrt(unloading_length(points[p]) / slowing) if floor > 0.0 else 0.0
                 shortest = min(shortest, max(near * rate / slowing, least))
         else:
             length = unloading_length(points[p])
-            points[p, col.FOOT] = deepest - length
+            points[p, col.FOOT] = -length
             speed = max(abs(rate), 1e-300)
-            end = deepest - depth if rate > 0.0 else depth - points[p, col.FOOT]
+            end = -depth if rate > 0.0 else depth - points[p, col.FOOT]
             swing = max(speed, np.sqrt(length * abs(slowing)))
             full = phase * length / swing
             shortest = min(shortest, full, max(near * end / speed, floor * full))
@@ -205,21 +205,34 @@ def _look_back(points, last, h):
 
 @compiled
 def _place(points, point_owner, motion, headings, h, start):
-    """Update arms and depths of all points at the new instant."""
+    """Update arms and depths of all points at the new instant.
+
+    Headings turn, and depths increase, by the motion of the step: sines by their series to the eighth power.
+    """
     for j in range(motion.shape[1]):
         motion[1, j] = motion[2, j]
-    j, c, s = -1, 1.0, 0.0
+    for u in range(headings.shape[0]):
+        heading, turn = headings[u], h * motion[2, 3 * u + 2]
+        if start:
+            heading[0], heading[1] = np.cos(motion[0, 3 * u + 2]), np.sin(motion[0, 3 * u + 2])
+            continue
+        square, c, s = turn * turn, heading[0], heading[1]
+        sine = turn * (1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0)))
+        versine = 0.5 * square * (1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0)))
+        heading[0] += s * sine - c * versine
+        heading[1] -= c * sine + s * versine
+        heading[2], heading[3] = sine, versine
     for p in range(points.shape[0]):
-        if 3 * point_owner[p, 0] != j:
-            j = 3 * point_owner[p, 0]
-            c, s = np.cos(motion[0, j + 2]), np.sin(motion[0, j + 2])
-            headings[point_owner[p, 0], 0], headings[point_owner[p, 0], 1] = c, s
-        x = points[p, col.ALONG] * c + points[p, col.ACROSS] * s
-        y = points[p, col.ACROSS] * c - points[p, col.ALONG] * s
-        depth = -(motion[0, j + 1] + y)
-        rate = -(motion[2, j + 1] + motion[2, j + 2] * x)
-        points[p, col.EARLIER] = depth - h * rate if start else points[p, col.DEPTH]
-        points[p, col.X], points[p, col.Y], points[p, col.DEPTH] = x, y, depth
+        point, heading, j = points[p], headings[point_owner[p, 0]], 3 * point_owner[p, 0]
+        x = point[col.ALONG] * heading[0] + point[col.ACROSS] * heading[1]
+        y = point[col.ACROSS] * heading[0] - point[col.ALONG] * heading[1]
+        if start:
+            point[col.DEPTH] = -(motion[0, j + 1] + y)
+            point[col.EARLIER] = point[col.DEPTH] + h * (motion[2, j + 1] + motion[2, j + 2] * x)
+        else:
+            point[col.EARLIER] = point[col.DEPTH]
+            point[col.DEPTH] += point[col.Y] * heading[3] - point[col.X] * heading[2] - h * motion[2, j + 1]
+        point[col.X], point[col.Y] = x, y
 
 
 @compiled
@@ -298,10 +311,10 @@ def _record(points, point_owner, motion, active, sums, early, h, row):
         row[base + 4 + j] = sums[j]
     _add(points, point_owner, motion, active, early * h, row[base + 4 : base + 4 + sums.size])
     for p in range(points.shape[0]):
-        deepest = deepest_mean(points[p])
-        if deepest > 0.0:
-            _, absorbed, length, returned = crush_line(crush_of(points[p]), deepest)
-            length_left = length - deepest + points[p, col.DEPTH]
+        beyond = deepening(points[p])
+        if points[p, col.DEEPEST] + beyond > 0.0:
+            _, absorbed, length, returned = crush_line(crush_of(points[p]), points[p, col.DEEPEST] + beyond)
+            length_left = length - beyond + points[p, col.DEPTH]
             row[base + 3] += (1.0 - returned) * absorbed
             if length_left > 0.0 and length > 0.0:
                 row[base + 2] += returned * absorbed * min(length_left / length, 1.0) ** 2
@@ -344,6 +357,9 @@ def _add(points, point_owner, motion, active, h, sums):
 def _move(points, motion, active, h):
     """Advance points and units to the end of the step."""
     for p in active:
-        points[p, col.DEEPEST] = deepest_mean(points[p])
+        beyond = deepening(points[p])
+        points[p, col.DEEPEST] += beyond
+        points[p, col.DEPTH] -= beyond
+        points[p, col.FOOT] -= beyond
     for m in range(motion.shape[1]):
         motion[0, m] += (-h if m % 3 == 2 else h) * motion[2, m]
