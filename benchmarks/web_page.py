@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from playwright.sync_api import sync_playwright
 
 from tailslap.browser import kernels, model, page
 from tailslap.case.of_arguments import case_of_scene
@@ -124,6 +123,8 @@ def time_both(tab: Any, name: str) -> None:
 
 
 def main() -> None:
+    from playwright.sync_api import sync_playwright
+
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

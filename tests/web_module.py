@@ -1,5 +1,6 @@
 """Run kernels as WebAssembly beside Python."""
 
+import functools
 import math
 
 import numpy as np
@@ -7,15 +8,22 @@ import wasmtime
 
 from machine_code import web_assembly
 
+ENGINE = wasmtime.Engine()
+
+
+@functools.cache
+def compiled(code):
+    """Return a module for this machine, which scenes of one kind share."""
+    return wasmtime.Module(ENGINE, code)
+
 
 class Module:
     """Kernels in a module with its memory, called by name."""
 
     def __init__(self, calls):
         self.layout = web_assembly.layout(calls)
-        engine = wasmtime.Engine()
-        self.store = wasmtime.Store(engine)
-        self.module = wasmtime.Module(engine, web_assembly.module(calls))
+        self.store = wasmtime.Store(ENGINE)
+        self.module = compiled(web_assembly.module(calls))
         pages = -(-self.layout.size // web_assembly.PAGE)
         self.memory = wasmtime.Memory(self.store, wasmtime.MemoryType(wasmtime.Limits(pages, None)))
         self.exports = wasmtime.Instance(

@@ -18,6 +18,9 @@ SWEEPS = 200
 SETTLED = 1e-13
 """Relative change of a force at which Gauss-Seidel ends; SWEEPS: largest number of sweeps."""
 
+AT_REST = 1e-9
+"""Force that stops a point over that of the law, up to which it is rounding at a point that is at rest."""
+
 
 @compiled
 def press(points, point_owner, motion, masses, ties, effect, active, kick, h):
@@ -116,7 +119,8 @@ def _normal_force(point, free, inertia):
     depth = loading_depth(crush, deepest + beyond, compliance, part)
     if unloading_length(point) <= 0.0:
         most = part * loading_force(crush, max(depth, deepest))
-        return min(max(inertia * (free - max(point[col.DEPTH], 0.0)), 0.0), most)
+        stopping = inertia * (free - max(point[col.DEPTH], 0.0))
+        return min(stopping, most) if stopping > AT_REST * most else 0.0
     return crush_force(crush, deepest, beyond, compliance, depth)
 
 
