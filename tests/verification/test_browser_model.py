@@ -205,7 +205,13 @@ def test_a_motion_in_webassembly_has_the_same_numbers(name):
     demand_equal(kernel, arguments, answer)
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 10))])
+@pytest.mark.parametrize(
+    "seed",
+    [
+        1,
+        *(pytest.param(seed, marks=pytest.mark.long) for seed in (0, *range(2, 10))),
+    ],
+)
 def test_random_motions_in_webassembly_have_the_same_numbers(seed):
     """They are 20 of each seed, with restitutions from 0 to 0.4."""
     random = np.random.default_rng(seed)
