@@ -86,7 +86,7 @@ class Units:
 SI = Units(
     "si",
     {
-        **{unit: (1e-3, f"k{unit}") for unit in ("N", "N s", "N m", "J")},
+        **{unit: (1e-3, f"k{unit}") for unit in ("N", "N s", "N m", "N m/m", "J")},
         "rad": (180.0 / math.pi, "deg"),
     },
 )
@@ -97,7 +97,7 @@ US = Units(
         "N": (1.0 / KIP, "kip"), "kN": (1e3 / KIP, "kip"),
         "N s": (1.0 / KIP, "kip s"), "kN s": (1e3 / KIP, "kip s"),
         "N m": (1.0 / (KIP * FOOT), "kip ft"), "kN m": (1e3 / (KIP * FOOT), "kip ft"),
-        "J": (1.0 / (KIP * FOOT), "kip ft"), "kJ": (1e3 / (KIP * FOOT), "kip ft"),
+        "N m/m": (1.0 / KIP, "kip ft/ft"), "J": (1.0 / (KIP * FOOT), "kip ft"), "kJ": (1e3 / (KIP * FOOT), "kip ft"),
         "kg": (1.0 / POUND, "lb"), "t": (1e3 / POUND, "lb"), "kg/m^3": (FOOT**3 / POUND, "lb/ft^3"),
         "Pa": (INCH**2 / KIP, "ksi"), "MPa": (1e6 * INCH**2 / KIP, "ksi"), "GPa": (1e9 * INCH**2 / KIP, "ksi"),
         "N/m": (FOOT / KIP, "kip/ft"), "kN/m": (1e3 * FOOT / KIP, "kip/ft"), "MN/m": (1e6 * FOOT / KIP, "kip/ft"),

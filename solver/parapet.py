@@ -150,16 +150,12 @@ def section_strengths(
     rows = []
     for name, areas in (("horizontal_bars", along), ("vertical_bars", upright)):
         for area in areas:
-            if not area > 0.0:
-                raise RigidBodyError(
-                    name, area, "allowed are positive areas on both faces", "a face without bars"
-                )
-            moments = area * steel * (sizes - cover - 0.5 * area * steel / (0.85 * concrete))
-            if not (moments > 0.0).all():
-                raise RigidBodyError(
-                    name, area, "allowed are bars whose stress block the section contains", ""
-                )
-            rows.append(moments)
+            depth, block = sizes - cover, area * steel / (0.85 * concrete)
+            if not 0.0 < block < depth.min():
+                why = f"its stress block of {1e3 * block:.3g} mm is to end before the bars"
+                allowed = f"positive areas with a block below the effective depth, {1e3 * depth.min():.3g} mm"
+                raise RigidBodyError(name, f"{1e6 * area:g} mm^2/m", why, allowed)
+            rows.append(area * steel * (depth - 0.5 * block))
     return Strengths(levels, np.array(rows))
 
 

@@ -24,7 +24,7 @@ LEFT, PART = 40.0, 0.78
 BANDS, SCALE_WIDTH, LABELS = 12, 44.0, 5
 """Bands of colour, width of their scale [pixels], and number of its labels."""
 
-BLUE, RED = "#2563eb", "#c2410c"
+BLUE, RED, GREEN = "#2563eb", "#c2410c", "#16a34a"
 THIN, THICK = 0.3, 0.7
 """Least widths of lines that are drawn, and of those that are drawn thick, over the largest."""
 
@@ -85,7 +85,7 @@ def _draw(canvas: Canvas, panel: FieldPanel, top: float, height: int) -> None:
             chosen = (sign * panel.widths >= least) & (sign * panel.widths < most)
             canvas.lines(pixel(panel.lines[chosen]), width, colour, 2.0)
     if panel.load is not None:
-        canvas.lines(pixel(panel.load), 9.0, "ink", 3.0)
+        canvas.lines(pixel(panel.load), 9.0, GREEN, 3.0)
     _draw_scale(canvas, panel, style, corner + np.array([PART * WIDTH + 70.0, 0.0]), factor * span[1])
     canvas.write(panel.title, (LEFT, top), (0.0, -1.7 * TEXT), is_bold=True)
 

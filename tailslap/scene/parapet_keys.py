@@ -33,18 +33,20 @@ def check_parapet(scene: schema.Scene, parapet: schema.Parapet) -> None:
         levels = schema.value_at(parapet, name)
         if levels is not None and levels[-1][0] > height:
             allowed = f"allowed are heights up to that of the parapet, {height:g} m"
-            raise InputError(f"parapet.{name}", levels[-1][0], allowed)
+            raise InputError(f"parapet.{name}", f"{levels[-1][0]:g} m", allowed)
     if parapet.load_height is not None and parapet.load_height > height:
         raise InputError(
-            "parapet.load_height", parapet.load_height, f"allowed is up to the height, {height:g} m"
+            "parapet.load_height",
+            f"{parapet.load_height:g} m",
+            f"allowed is up to the height, {height:g} m",
         )
     longest = math.inf if parapet.length is None else parapet.length
     if load_length > longest:
         allowed = f"allowed is up to the length of the wall, {longest:g} m"
-        raise InputError("parapet.load_length", load_length, allowed)
+        raise InputError("parapet.load_length", f"{load_length:g} m", allowed)
     if parapet.end_distance is not None and parapet.end_distance > 0.5 * (longest - load_length):
         allowed = f"allowed is up to half of the wall without the load, {0.5 * (longest - load_length):g} m"
-        raise InputError("parapet.end_distance", parapet.end_distance, allowed)
+        raise InputError("parapet.end_distance", f"{parapet.end_distance:g} m", allowed)
     strengths_of(parapet)
 
 
@@ -92,7 +94,6 @@ def strengths_of(parapet: schema.Parapet) -> Strengths:
             section.horizontal_bars,
         )
     except RigidBodyError as error:
-        raise InputError(
-            f"parapet.section.{error.key}", error.value, f"{error.why}; {error.allowed}"
-        ) from None
+        allowed = f"{error.why}; allowed are {error.allowed}"
+        raise InputError(f"parapet.section.{error.key}", error.value, allowed) from None
     return strengths._replace(beam=parapet.beam_strength)

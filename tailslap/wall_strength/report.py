@@ -61,7 +61,6 @@ DEMAND = (
     *columns(
         {"lower": "over lower bound", "upper": "over upper bound", "aashto": "over A13.3.1"}, form=".2f"
     ),
-    Column("band", "Band, over lower bound", form=str),
 )
 SIMPLE = (
     Column("name", "Simple formula"),
@@ -163,11 +162,19 @@ def _report(case: Case, rows: list[Computed], band: ForceBand, began: float) -> 
     of_impact = [row for row in rows if row.load_name != "code"] or rows
     ratio = _ratio(of_impact[0].lower, demand, band)
     passed = all(row.bounds.width <= ALLOWED[row.load_name] for row in rows)
-    numbers = _numbers(rows, strengths, demand, ratio, table.section is not None)
+    shortest = _turning_length(strengths, rows[0], table.length or math.inf)
+    numbers = {"turning_length": shortest or None} | _numbers(
+        rows, strengths, demand, ratio, table.section is not None
+    )
+    bands = tuple(
+        f"This impact, {row.where}, over the lower bound: {_band_words(_ratio(row.lower, demand, band), band)}."
+        for row in of_impact
+        if band.percentiles and row.lower
+    )
     tables = [
         Table(STRENGTH, [_strength_row(row) for row in rows], "Strength", notes=(MEANING,)),
-        Table(DEMAND, _demand_rows(case, rows, of_impact, demand, band), "Demand over capacity"),
-        Table(SIMPLE, _simple_rows(case, strengths, rows), "Beside it"),
+        Table(DEMAND, _demand_rows(case, rows, of_impact, demand), "Demand over capacity", notes=bands),
+        Table(SIMPLE, _simple_rows(case, strengths, rows, shortest), "Beside it"),
     ]
     headline = _headline(case, rows, of_impact, demand, ratio, band)
     residual = max(row.bounds.lower.residual for row in rows)
@@ -205,7 +212,7 @@ def _strength_row(row: Computed) -> dict[str, object]:
 
 
 def _demand_rows(
-    case: Case, rows: list[Computed], of_impact: list[Computed], demand: float, band: ForceBand
+    case: Case, rows: list[Computed], of_impact: list[Computed], demand: float
 ) -> list[dict[str, object]]:
     """Return the rows of this impact and of the design loads."""
     demands = [("this impact", demand, row) for row in of_impact]
@@ -216,12 +223,11 @@ def _demand_rows(
     return [
         {
             "load": name,
-            "place": row.place,
+            "place": row.where,
             "force": force,
             "lower": force / row.lower if row.lower else None,
             "upper": force / row.upper if row.upper else None,
             "aashto": force / row.formula.force,
-            "band": _band_words(_ratio(row.lower, demand, band), band) if name == "this impact" else "",
         }
         for name, force, row in demands
     ]
@@ -264,10 +270,10 @@ def _headline(
         proven = "not proven"
         if row.lower and row.upper:
             proven = f"{force_text(row.lower)} to {force_text(row.upper)}"
-        parts.append(f"{row.place} {proven} (A13.3.1: {force_text(row.formula.force)})")
+        parts.append(f"{row.where} {proven} (A13.3.1: {force_text(row.formula.force)})")
     first = of_impact[0]
     nominal = (
-        f"{ratio['nominal']:.2f} of the lower bound, {first.place}"
+        f"{ratio['nominal']:.2f} of the lower bound, {first.where}"
         if ratio["nominal"]
         else "without proven capacity"
     )
@@ -285,27 +291,32 @@ def _headline(
     return Headline(f"Strength of the parapet: {case.subject}", answer, case.set_up, certainty, band.sentence)
 
 
-def _simple_rows(case: Any, strengths: Strengths, rows: list[Computed]) -> list[dict[str, object]]:
+def _turning_length(strengths: Strengths, row: Computed, length: float) -> float:
+    """Return the length below which a wall turns over under a load in its middle [m].
+
+    row: strength of a wall of that length; 0 without proof.
+    """
+    per_length, bounds = float(strengths.moments[2, 0]) / row.load.height, row.bounds
+    if row.place != "interior" or bounds.lower.value > (1.0 - TOLERANCE) * per_length * length:
+        bounds = bounds_of(strengths, row.load._replace(end_distance=None), tolerance=2.0 * TOLERANCE)[1]
+    return bounds.lower.value / per_length
+
+
+def _simple_rows(
+    case: Any, strengths: Strengths, rows: list[Computed], shortest: float
+) -> list[dict[str, object]]:
     """Return punching, deck overhang and moment of the impact by simple formulas."""
     table, first = case.scene.parapet, rows[0]
     assert table
     governing = [row.lower for row in rows if row.load_name == "code" and row.lower]
     tension = overhang_tension(first.formula.force, first.formula.critical_length, strengths.height)
-    base, foot = strengths.base, float(strengths.moments[2, 0])
     items: list[tuple[str, float, str, str]] = [
-        ("M_c, moment of the deck overhang", base, "N", "mean over the height, per length; A13.4.2"),
-        ("T, tension of the deck overhang", tension, "N/m", "R_w/(L_c + 2 H); Eq. A13.4.2-1"),
+        ("M_c, moment of the deck overhang", strengths.base, "N m/m", "mean over the height; A13.4.2"),
+        ("T, tension of the deck overhang", tension / 1e3, "kN/m", "R_w/(L_c + 2 H); Eq. A13.4.2-1"),
     ]
-    if governing:
-        shortest = max(governing) * first.load.height / foot
-        items.append(
-            (
-                "length below which the wall turns over",
-                shortest,
-                "m",
-                "lower bound times height over M_c at the base",
-            )
-        )
+    if shortest:
+        formula = "lower bound of a long wall times height over M_c at the base"
+        items.append(("length below which the wall turns over", shortest, "m", formula))
     if case.scene.body:
         moment = case.space.numbers()["moment"]
         at = f"{moment['force'] / 1e3:.4g} kN at {moment['height']:.2f} m over {moment['length']:.2f} m"

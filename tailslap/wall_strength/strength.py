@@ -10,6 +10,7 @@ from typing import NamedTuple
 from fem.limit.bounds import Bounds, collapse_load
 from fem.limit.plate import Floats, Indices, PlasticPlate
 from meshes.bands import banded_rectangle
+from postprocess.units import measure
 from solver.parapet import Resistance, Strengths
 
 TOLERANCE, MOST_TRIANGLES = 0.01, 6000
@@ -51,6 +52,12 @@ class Computed(NamedTuple):
     plate: PlasticPlate
     bounds: Bounds
     formula: Resistance
+
+    @property
+    def where(self) -> str:
+        """Place in words."""
+        at = self.load.end_distance
+        return f"{measure(at, 'm', '.3g')} from the end" if at and self.place == "impact" else self.place
 
     @property
     def lower(self) -> float | None:

@@ -69,6 +69,13 @@ def test_a_short_wall_turns_over(length):
     assert bounds.upper.value == pytest.approx(expected, rel=1e-4)
 
 
+def test_the_length_below_which_a_wall_turns_over_is_that_of_a_long_wall():
+    scene = SCENE | {"parapet": SCENE["parapet"] | {"length": "3 m"}}
+    numbers = tailslap.parapet(scene, band=False).summary["parapet"]
+    assert numbers["lower"]["interior"] == pytest.approx(214.0 * KN, rel=1e-3)
+    assert numbers["turning_length"] == pytest.approx(329.0 * 0.813 / 58.0, rel=0.02)
+
+
 def test_affinity():
     """The strength follows from that of one isotropic wall."""
     first, second = (
