@@ -126,11 +126,11 @@ def strengths_of_loads(case: Case) -> list[Computed]:
     places = {"interior": None, "end": 0.0} if table.end_distance is None else {"impact": table.end_distance}
     rows = []
     for name, (load_length, height) in loads.items():
-        load_length = min(load_length, length)
         for place, distance in places.items():
-            load = Load(load_length, min(height, table.height), distance)
+            room = length - 2.0 * (distance or 0.0)
+            load = Load(min(load_length, room), min(height, table.height), distance)
             plate, bounds = bounds_of(strengths, load, length, ALLOWED[name])
-            formula = strengths.resistance(load_length, "end" if distance == 0.0 else "interior")
+            formula = strengths.resistance(load.length, "end" if distance == 0.0 else "interior")
             rows.append(Computed(name, place, load, plate, bounds, formula))
     return rows
 

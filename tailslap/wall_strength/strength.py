@@ -76,7 +76,7 @@ def wall_plate(
     """Return the plate of a wall.
 
     length: of the wall [m]. Of a load in the middle it is the half on one side of the axis of symmetry. A wall that is
-    longer than the mechanism needs is cut; stretch: factor on the modelled length [-].
+    longer than the mechanism needs is cut; stretch: factor on the modelled length [-]. ValueError for a load beyond it.
     """
     reach = strengths.resistance(load.length, "interior").critical_length + 2.0 * MARGIN * strengths.height
     start, end = -0.5 * load.length, 0.5 * load.length
@@ -84,6 +84,8 @@ def wall_plate(
     if load.end_distance is not None:
         start, end = load.end_distance, load.end_distance + load.length
         whole, nearest = length, "free"
+    if end > whole:
+        raise ValueError(f"the load ends at {end:g} m, beyond the wall of {whole:g} m")
     modelled = 0.5 * (max(start, 0.0) + end + stretch * reach)
     sides = {
         "left": nearest,

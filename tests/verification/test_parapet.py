@@ -17,8 +17,10 @@ from fem.limit.plate import PlasticPlate
 from solver.conditions import RigidBodyError
 from solver.parapet import overhang_tension, punching, section_strengths, yield_line_resistance
 from tailslap import cli
+from tailslap.case.of_arguments import case_of_scene
 from tailslap.scene.write import scene_file
 from tailslap.studies.parapet import parapet_study
+from tailslap.wall_strength import report
 from tailslap.wall_strength.strength import Load, bounds_of, wall_plate
 
 pytestmark = pytest.mark.verification
@@ -67,6 +69,18 @@ def test_a_short_wall_turns_over(length):
     expected = length * 58.0 * KN / 0.813
     assert bounds.lower.value == pytest.approx(expected, rel=1e-4)
     assert bounds.upper.value == pytest.approx(expected, rel=1e-4)
+
+
+def test_a_load_is_within_the_wall():
+    with pytest.raises(ValueError, match=r"ends at 3\.4 m, beyond the wall of 3 m"):
+        wall_plate(WALL_A, Load(2.5, WALL_A.height, 0.9), 3.0)
+    scene = SCENE | {"parapet": SCENE["parapet"] | {"length": "3 m", "end_distance": "0.9 m"}}
+    case = case_of_scene(scene, None)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(report, "_impact", lambda _: (1e5, 2.5, 0.8))
+        _, impact = report.strengths_of_loads(case)
+    assert impact.load.length == pytest.approx(1.2)
+    assert impact.upper == pytest.approx(3.0 * 58.0 * KN / 0.8, rel=1e-3)
 
 
 def test_the_length_below_which_a_wall_turns_over_is_that_of_a_long_wall():
