@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterable
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -235,14 +237,11 @@ def _demand_rows(
 
 def _ratio(capacity: float | None, demand: float, band: ForceBand) -> dict[str, float | None]:
     """Return the demand over capacity with its band."""
-    if capacity is None:
-        return dict.fromkeys(("nominal", "median", "lower", "upper", "exceeded"))
-    names = dict(zip(("lower", "median", "upper"), band.limits, strict=False))
-    ratios: dict[str, float | None] = dict.fromkeys(("median", "lower", "upper", "exceeded"))
-    ratios |= {name: value / capacity for name, value in names.items()}
-    if band.forces:
-        ratios["exceeded"] = float(np.mean(np.array(band.calibrated(band.forces)) > capacity))
-    return {"nominal": demand / capacity, **ratios}
+    values: list[float] = []
+    if capacity is not None:
+        above = [float(np.mean(np.array(band.calibrated(band.forces)) > capacity))] if band.forces else []
+        values = [force / capacity for force in (demand, *band.limits)] + above
+    return dict(zip_longest(("nominal", "lower", "median", "upper", "exceeded"), values))
 
 
 def _band_words(ratio: dict[str, float | None], band: ForceBand) -> str:
@@ -337,8 +336,7 @@ def _numbers(
     rows: list[Computed], strengths: Strengths, demand: float, ratio: dict[str, Any], has_section: bool
 ) -> dict[str, Any]:
     """Return the part `parapet` of the summary, SI."""
-    code = {row.place: row for row in rows if row.load_name == "code"}
-    impact = {row.place: row for row in rows if row.load_name != "code"}
+    impact = [row for row in rows if row.load_name != "code"]
     formulas = {place: strengths.resistance(rows[0].load.length, place) for place in ("interior", "end")}
     numbers = {
         "aashto": {place: formula.force for place, formula in formulas.items()}
@@ -346,8 +344,7 @@ def _numbers(
             "critical_length": formulas["interior"].critical_length,
             "critical_length_end": formulas["end"].critical_length,
         },
-        "lower": {place: row.lower for place, row in code.items()},
-        "upper": {place: row.upper for place, row in code.items()},
+        **_of_load(row for row in rows if row.load_name == "code"),
         "demand": demand,
         "demand_over_capacity": ratio,
         "load": {"length": rows[0].load.length, "height": rows[0].load.height},
@@ -355,11 +352,12 @@ def _numbers(
         "excess": max(0.0, *(row.bounds.lower.excess for row in rows)),
     }
     if impact:
-        load = next(iter(impact.values())).load
-        numbers["impact"] = {
-            "length": load.length,
-            "height": load.height,
-            "lower": {place: row.lower for place, row in impact.items()},
-            "upper": {place: row.upper for place, row in impact.items()},
-        }
+        load = impact[0].load
+        numbers["impact"] = {"length": load.length, "height": load.height} | _of_load(impact)
     return numbers
+
+
+def _of_load(rows: Iterable[Computed]) -> dict[str, Any]:
+    """Return both bounds by place."""
+    bounds = [(row.place, row.lower, row.upper) for row in rows]
+    return {name: {row[0]: row[k] for row in bounds} for k, name in ((1, "lower"), (2, "upper"))}
