@@ -123,7 +123,7 @@ def run_command(*words: object) -> tuple[int, str, str]:
 
 
 def sweep_rows(folder: Path) -> list[dict[str, Any]]:
-    """Return the rows of a sweep without times and reused parts."""
+    """Return the rows of a sweep without times."""
     import pyarrow.parquet as parquet
 
     from tailslap.campaign.sweep_table import CIRCUMSTANCES, TABLE

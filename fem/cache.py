@@ -7,7 +7,7 @@ content of the cache. Large results are not cached.
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import TypeVar
 
 T = TypeVar("T")
@@ -15,39 +15,20 @@ T = TypeVar("T")
 SIZE = 8
 """Results of a function that are cached, those of the latest use."""
 
-_CACHES: dict[str, functools._lru_cache_wrapper[object]] = {}
-"""Cached functions by the names of their results."""
+CACHES: dict[str, functools._lru_cache_wrapper[object]] = {}
+"""Cached functions by their names."""
 
 
-def cached(part: str) -> Callable[[Callable[..., T]], functools._lru_cache_wrapper[T]]:
-    """Decorate a function of hashable arguments to cache its last results.
+def cached(function: Callable[..., T]) -> functools._lru_cache_wrapper[T]:
+    """Cache the last results of a function of hashable arguments.
 
-    part: name of the result in messages. The function without a cache, for large results, is its `__wrapped__`.
+    The function without a cache, for large results, is its `__wrapped__`.
     """
-
-    def decorate(function: Callable[..., T]) -> functools._lru_cache_wrapper[T]:
-        cache = functools.lru_cache(maxsize=SIZE)(function)
-        _CACHES[part] = cache
-        return cache
-
-    return decorate
-
-
-def counts() -> Mapping[str, tuple[int, int]]:
-    """Return the numbers of uses and of computations of each part."""
-    return {part: cache.cache_info()[:2] for part, cache in _CACHES.items()}
-
-
-def reused(before: Mapping[str, tuple[int, int]]) -> list[str]:
-    """Return the parts that were used and not computed since `before`.
-
-    before: an earlier result of `counts`.
-    """
-    later = {part: (count, before.get(part, (0, 0))) for part, count in counts().items()}
-    return [part for part, ((hits, misses), (h, m)) in later.items() if hits > h and misses == m]
+    CACHES[function.__name__] = cache = functools.lru_cache(maxsize=SIZE)(function)
+    return cache
 
 
 def clear() -> None:
-    """Empty the caches of all parts."""
-    for cache in _CACHES.values():
+    """Empty the caches of all functions."""
+    for cache in CACHES.values():
         cache.cache_clear()

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem import cache
+from fem.cache import cached
 from fem.explicit import elastic_damping, internal_force, time_loop
 from fem.laws import constraints, materials
 from fem.laws.constraints import CornerConstraint
@@ -76,7 +76,7 @@ def unit_plate(mesh: meshio.Mesh, plate: PlateProperties) -> UnitPlate:
     return assemble(mesh, replace(plate, youngs_modulus=1.0, material=""))
 
 
-@cache.cached("assembly")
+@cached
 def _assembled(mesh: meshio.Mesh, plate: PlateProperties) -> UnitPlate:
     """Discretise and assemble a plate of unit modulus."""
     d = discretise(mesh, plate.thickness, plate.element)

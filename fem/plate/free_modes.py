@@ -101,7 +101,7 @@ def lowest_frequency(elastic: ElasticSolver) -> float:
     return math.sqrt(elastic.modulus) * unit_frequency(elastic.inverse) / (2.0 * math.pi)
 
 
-@cached("first frequency")
+@cached
 def _lowest_unit_frequency(plate: Inverse) -> float:
     """Return the lowest elastic frequency for a modulus of 1 Pa [rad/s].
 

@@ -202,6 +202,6 @@ def spectrum_of(elastic: ElasticSolver, support: Support = FREE) -> ScaledSpectr
     return ScaledSpectrum(unit_spectrum(plate, support), elastic.modulus)
 
 
-@cached("spectrum")
+@cached
 def _unit_spectrum(plate: Inverse, support: Support) -> Spectrum:
     return Spectrum(plate.stiffness, plate.masses, support)

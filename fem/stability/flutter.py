@@ -137,7 +137,7 @@ def residues_at(modes: CornerModes, angles: Sequence[float] | np.ndarray, slope:
     return np.hstack([residues[:, :3].sum(axis=1, keepdims=True), residues[:, 3:]])
 
 
-@cached("free modes")
+@cached
 def _unit_modes(plate: Inverse) -> tuple[np.ndarray, np.ndarray]:
     """Return the squares [rad^2/s^2] and shapes of all modes of a plate.
 

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import tailslap
-from fem import cache
 from postprocess.report import data_files
 from tailslap.campaign import engine, records
 from tailslap.campaign.records import Record
@@ -34,10 +33,7 @@ PASSED, FAILED, REFUSED, ERROR = STATUSES = ("passed", "failed", "refused", "err
 """Statuses of a row: all checks passed, a check failed, the theory or the model has no solution, or the run broke down.
 """
 KILLS = "its worker process died in every attempt"
-TIMES = ("cost.run_s", "cost.setup_s", "cost.time_loop_s")
-REUSED = "cost.reused"
-"""Column with the parts of the model that earlier runs of the worker supplied."""
-CIRCUMSTANCES = (*TIMES, REUSED)
+CIRCUMSTANCES = ("cost.run_s", "cost.setup_s", "cost.time_loop_s")
 """Columns that differ between repetitions of a run. All others are identical to the bit."""
 
 
@@ -67,7 +63,7 @@ def compute_row(run: int, source: vary.Source, changes: vary.Changes) -> Record:
 
     Errors become the status and reason of the row.
     """
-    began, before = time.perf_counter(), cache.counts()
+    began = time.perf_counter()
     try:
         case = case_of(*vary.vary(source, changes))
         demand_affordable(case.scene, case.duration)
@@ -79,8 +75,7 @@ def compute_row(run: int, source: vary.Source, changes: vary.Changes) -> Record:
     except Exception as error:  # a failed run does not end the sweep
         outcome = {"status": ERROR, "reason": f"{type(error).__name__}: {error}"}
     inputs = {key: plain(value) for key, value in changes.items()}
-    effort = {REUSED: ", ".join(cache.reused(before)), "cost.run_s": time.perf_counter() - began}
-    return {"run": run, **inputs, **outcome, **versions(), **effort}
+    return {"run": run, **inputs, **outcome, **versions(), "cost.run_s": time.perf_counter() - began}
 
 
 @functools.cache
@@ -120,5 +115,5 @@ def table_schema(definition: Definition, checks: list[str]) -> pa.Schema:
     types = {name: arrow_types[type_] for name, type_ in definition.column_types.items()}
     columns |= {name: type_ for name, type_ in types.items() if not name.startswith("cost.")}
     columns |= dict.fromkeys(checks, real) | types
-    columns |= dict.fromkeys(TIMES, real) | {REUSED: text} | dict.fromkeys(versions(), text)
+    columns |= dict.fromkeys(CIRCUMSTANCES, real) | dict.fromkeys(versions(), text)
     return pa.schema(list(columns.items()))

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem import cache
+from fem.cache import cached
 from fem.plate import kinds
 from fem.plate.properties import Inertia, ModelError, PlateProperties, StepProperties
 from meshes import distorted, plate_mesh
@@ -120,7 +120,7 @@ def unit_counts(scene: Scene, plate: Plate, number: int) -> tuple[int, int]:
     return max(1, round(along * unit.length / vehicle.length)), across
 
 
-@cache.cached("mesh")
+@cached
 def _mesh(
     length: float,
     width: float,

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import solver
-from fem import cache
+from fem.cache import cached
 from fem.explicit import columns
 from fem.plate.properties import RigidStart
 from postprocess.comparison import quantities
@@ -340,7 +340,7 @@ class RigidStages(case.Case):
         return [*lines, "Stage 3, tail-slap", *rows(stages["stage3"])]
 
 
-@cache.cached("rigid motion")
+@cached
 def _solved_motion(body: solver.RectangularBody[float], *start: Any) -> solver.PlaneMotion:
     return solver.plane_motion(body, *start)
 

@@ -111,7 +111,7 @@ def row_interval(shortest: float, end: float) -> float:
     return min(SAMPLE, max(shortest / ROWS_A_STRIKE, end / MOST_ROWS))
 
 
-@cached("rigid impact")
+@cached
 def _solved(case: tuple[Any, ...], end: float | None, tolerance: float) -> impact.ImpactMotion:
     """Return the impact of a vehicle, contact, touch, trailers and axles.
 
