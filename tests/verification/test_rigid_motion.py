@@ -1,8 +1,6 @@
 """Verify impulse and motion of the rigid body by balances and integration."""
 
 import math
-import time
-import timeit
 from dataclasses import fields
 from typing import Any
 
@@ -361,16 +359,13 @@ def test_numbers_in_numbers_out():
     assert strikes[0] == strikes[1]
 
 
-def test_a_hundred_thousand_motions_take_less_than_two_seconds():
+def test_a_hundred_thousand_motions_are_finite():
     random = np.random.default_rng(0)
     n = 100_000
     body = RectangularBody(10.0, random.uniform(0.1, 3.0, n), 9979.0)
     limits = ((0.05, 1.2), (0.1, 1.0), (30.0, 60.0), (0.0, 1.3))
     angle, omega, speed, friction = (random.uniform(*ends, n) for ends in limits)
-    start = time.process_time()
-    strike = tail_slap(body, angle, omega, speed, friction)
-    assert time.process_time() - start < 2.0
-    assert np.all(np.isfinite(strike.t))
+    assert np.all(np.isfinite(tail_slap(body, angle, omega, speed, friction).t))
 
 
 BEGUN = (0.26, 0.707, 25.053, 0.47)
@@ -486,11 +481,3 @@ def test_a_corner_that_stops_is_reported_at_the_same_place():
             solve(TRUCK, 0.8, 2.0, 6.0, 0.9)
         messages.append(str(refused.value))
     assert messages[0] == messages[1]
-
-
-def test_the_exact_solution_costs_a_twentieth_of_an_integration():
-    def fastest(call, number):
-        return min(timeit.repeat(call, number=number, repeat=5)) / number
-
-    exact = fastest(lambda: plane_motion(TRUCK, *BEGUN), 100)
-    assert exact < fastest(lambda: integrate_odes(TRUCK, *BEGUN, rtol=1e-10), 5) / 20.0
