@@ -32,9 +32,6 @@ MAX_NAME, MAX_BYTES, MAX_LINE, MAX_DEPTH = 4096, 262_144, 10_000, 8
 DECIMAL_COMMA = re.compile(r"=\s*[-+]?[0-9]+,[0-9]")
 """Beginning of a number with a decimal comma."""
 
-REPLACED = {name: f"impact-{name}" for name in ("mash-tl5-tractor-van", "mash-tl6-tractor-tank")}
-"""Scenes of earlier versions, with those that replace them."""
-
 SPEED, ANGLE = (1.0, 40.0, "km/h"), (math.radians(1.0), math.radians(60.0), "deg")
 USUAL = {
     "vehicle.length": (1.5, 40.0, "ft"),
@@ -176,9 +173,6 @@ def scene_text(name: str) -> str:
         raise errors.InputError("SCENE", name, f"the limit is {MAX_NAME} characters")
     if name in shipped and (path.is_dir() or not errors.is_there(path)):
         return shipped[name].read_text(encoding="utf-8")
-    if name in REPLACED and not errors.is_there(path):
-        allowed = f"it took tractor and trailer as one body; allowed is {REPLACED[name]}, a train"
-        raise errors.InputError("SCENE", name, allowed)
     if path.suffix != ".toml" and not errors.is_there(path):
         allowed = errors.one_of(name, shipped, "allowed is a .toml file or one of")
         raise errors.InputError("SCENE", name, allowed)

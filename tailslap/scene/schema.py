@@ -119,9 +119,6 @@ Bars = Annotated[
     tuple[float, float], Pair("an area of bars per length", "m", '"650 mm^2/m"', least=1e-7, most=1.0)
 ]
 
-FORMER_STARTS = {"quiet": "inertia-relief", "sudden": "unstressed"}
-"""Former names of starts, with the present ones."""
-
 LISTED = ("trailer", "axle", "strip")
 """Names of lists of tables, [[NAME]]."""
 
@@ -150,13 +147,6 @@ def _element_counts(value: object) -> object:
     return tuple(value)
 
 
-def _start_name(value: object) -> object:
-    """Refuse a former name of a start."""
-    if isinstance(value, str) and value in FORMER_STARTS:
-        raise ValueError(f'the present name of this start is "{FORMER_STARTS[value]}"')
-    return value
-
-
 def _profile(value: object) -> object:
     """Return a profile by name or points as tuples.
 
@@ -172,7 +162,7 @@ def _profile(value: object) -> object:
     return value if isinstance(value, str) else tuple(map(tuple, points.tolist()))
 
 
-StartName = Annotated[str, _registered(start_kinds.START_KINDS), BeforeValidator(_start_name)]
+StartName = Annotated[str, _registered(start_kinds.START_KINDS)]
 ReactionName = Annotated[str, _registered(FRICTION_LAWS)]
 ConstraintName = Annotated[str, _registered(constraints.CONSTRAINTS)]
 ElementCounts = Annotated[tuple[int, int], BeforeValidator(_element_counts)]

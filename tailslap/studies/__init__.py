@@ -14,12 +14,6 @@ from tailslap.studies.study import Study
 _registered: dict[str, Study] = {}
 """Studies from outside this folder."""
 
-GONE = {
-    "features": "use `tailslap check SCENE`, or benchmarks/features.py",
-    "strike": "use `tailslap study uncertainty` or `tailslap study flexibility`",
-}
-"""Former studies and their replacements."""
-
 
 def register(study: Study) -> None:
     """Add a study from outside this folder.
@@ -53,8 +47,6 @@ def find_study(name: str) -> Study:
 
     Raises InputError with the names of all studies for another name.
     """
-    if name in GONE:
-        raise InputError("NAME", name, f"this study was removed; {GONE[name]}")
     if name not in study_names():
         raise InputError("NAME", name, one_of(name, study_names(), "allowed is one of the studies:"))
     study: Study = _registered.get(name) or importlib.import_module(f"{__name__}.{name}").STUDY

@@ -10,7 +10,6 @@ import pytest
 
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact.case import ImpactCase
-from tailslap.errors import InputError
 from tailslap.scene.read import read_scene, scenes, shipped_scenes
 
 POUND, MILE, FOOT, KIP = 0.45359237, 1609.344, 0.3048, 4448.2216152605
@@ -88,12 +87,6 @@ def test_conditions_of_tractors(name):
     )
     assert text.count("Assumed: ") >= 2
     assert len(scene.trailer) == (name != "impact-foil-03008")
-
-
-@pytest.mark.parametrize("name", ["mash-tl5-tractor-van", "mash-tl6-tractor-tank"])
-def test_scenes_that_swung_two_units_as_one_name_their_trains(name):
-    with pytest.raises(InputError, match=f"allowed is impact-{name}, a train"):
-        read_scene(name)
 
 
 EN_1317 = {  # km/h, degrees, kg, level

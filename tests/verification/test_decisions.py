@@ -12,7 +12,6 @@ from tailslap.case.corner.corner_plan import make_corner_plan
 from tailslap.case.corner.corner_report import CornerReport, flutter_sentence
 from tailslap.case.plate_input import Decision
 from tailslap.case.resources import loop_seconds
-from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 
 SOFT = ("plate.youngs_modulus=", "plate.first_frequency=8 Hz")
@@ -194,14 +193,6 @@ def test_what_could_not_be_analysed_is_not_called_harmless():
 ])  # fmt: skip
 def test_keys_that_exclude_each_other(changes, key, refused):
     assert refused(read_scene, "mash-tl4-sut", changes) == key
-
-
-def test_former_names_of_starts_are_refused_with_the_new_one():
-    for former, present in (("quiet", "inertia-relief"), ("sudden", "unstressed")):
-        with pytest.raises(
-            InputError, match=f'given "{former}"; the present name of this start is "{present}"'
-        ):
-            read_scene("mash-tl4-sut", (f"plate.start={former}",))
 
 
 def test_the_certainty_tells_flexibility_from_discretisation_error(outcome):
