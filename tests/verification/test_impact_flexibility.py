@@ -85,15 +85,14 @@ def test_what_a_plate_s_run_records(monkeypatch, impact):
     assert "contact.restitution" in measured["failed"][0]
 
 
+def reached(samples):
+    return tuple(levels.lowest_frequency(samples, level) for level in impact_flexibility.IMPACT_LEVELS)
+
+
 def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
     rows = [*map(impact_plate, FREQUENCIES[:-1]), impact_plate(8.0, "energy balance")]
     samples = {name: impact_flexibility.impact_samples(rows, name) for name in impact_flexibility.NAMES}
-    reaches = {
-        name: tuple(
-            levels.lowest_frequency(strike_samples, level) for level in impact_flexibility.IMPACT_LEVELS
-        )
-        for name, strike_samples in samples.items()
-    }
+    reaches = {name: reached(of_name) for name, of_name in samples.items()}
 
     def all_of(value):
         return dict.fromkeys(COLUMNS, value)
@@ -127,6 +126,20 @@ def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert [plate["frequency"] for plate in summary["plates"]] == [2.0, 4.0, 8.0, None]
     assert summary["levels"]["strike_2.impulse"][0]["kind"] == "crossed"
+
+
+def test_the_report_of_a_vehicle_in_space_names_its_companion(tmp_path):
+    case = ImpactCase(*read_scene("impact-tipping-tl4-sut"))
+    plate = impact_flexibility.plate_record(math.inf, dict.fromkeys(COLUMNS, 2e3), {}, ())
+    rows = [*map(impact_plate, FREQUENCIES)]
+    reaches = {
+        name: reached(impact_flexibility.impact_samples(rows, name)) for name in impact_flexibility.NAMES
+    }
+    study = plate_runs.Flexibility(case, rows, reaches, 8.0, {"patch_length": 1.0}, 3.0, {}, [plate])
+    terminal, _ = said(study, tmp_path)
+    assert "companion in the plane: the same strips without heights" in " ".join(terminal.split())
+    rigid = json.loads((tmp_path / "summary.json").read_text())["rigid"]
+    assert rigid["strikes"] != rigid["space"]["strikes"]
 
 
 def test_contacts_of_a_corner_that_are_close_are_one_strike():

@@ -13,7 +13,7 @@ from postprocess.svg.chart import FULL, HALF, Chart
 from postprocess.units import known, measure, percent
 from tailslap.campaign.levels import hertz
 from tailslap.campaign.records import Record
-from tailslap.case.impact.answers import COMPARED
+from tailslap.case.impact.answers import COMPANION, COMPARED
 from tailslap.case.impact.strike_columns import COLUMNS
 from tailslap.case.impact.strike_columns import QUANTITIES as STRIKE_QUANTITIES
 from tailslap.case.report_parts import study_page, study_summary
@@ -252,7 +252,8 @@ def impact_report(result: Flexibility) -> Report:
     points = Table(heads, result.rows, "Differences of the two strikes", marks=marks)
     patch = measure(result.setup["patch_length"], "m", "g")
     failures = _failures([(row["frequency"], row["failed"]) for row in result.rows])
-    crush = f"A corner's crush is spread over {patch} of its side. {failures}"
+    plane = f"Plate and rigid vehicle are the {COMPANION}. " if result.case.space else ""
+    crush = f"{plane}A corner's crush is spread over {patch} of its side. {failures}"
     resolution = _resolution(result)
     reasons = [
         f"{row['frequency']:g} Hz: {', '.join(row['failed'])}." for row in result.plates if row["failed"]
@@ -264,7 +265,8 @@ def impact_report(result: Flexibility) -> Report:
         Section("From 2 Hz to rigid", PLATES, (), (plates_table(result),), reasons),
         Section("All plates", tables=(points,)),
     )
-    numbers = {"rigid": result.case.rigid_numbers(), "levels": result.levels, "plates": result.plates}
+    rigid = result.case.rigid_numbers() | result.case.in_plane.numbers()
+    numbers = {"rigid": rigid, "levels": result.levels, "plates": result.plates}
     plates = plates_table(result, "The plate from soft to rigid", short=True)
     return _report(result, _impact_answer(result), sections, numbers, (bands, resolution, crush, plates))
 
