@@ -291,7 +291,7 @@ def _headline(
 
 
 def _turning_length(strengths: Strengths, row: Computed, length: float) -> float:
-    """Return the length below which a wall turns over under a load in its middle [m].
+    """Return the length below which a wall turns over [m].
 
     row: strength of a wall of that length; 0 without proof.
     """

@@ -145,7 +145,7 @@ def test_impossible_values_are_refused(key, value, reason):
 
 
 def motion_of(name: str, values: Any, random: bool = False) -> Any:
-    """Return the call of a motion with room for its rows, and its answer.
+    """Return the call of a motion and its answer.
 
     values: by quantity [SI]; where random, those of a generator.
     """
@@ -173,7 +173,7 @@ def change(numbers: Any, other: Any) -> float:
 
 
 def effect_of_rounding(kernel: Any, arguments: Any, answer: Any, expected: Any) -> float:
-    """Return the largest change by one unit in the last place of every input."""
+    """Return the largest change by rounding of every input."""
     values, random, largest = arguments[0].copy(), np.random.default_rng(1), 0.0
     for _ in range(4):
         arguments[0][:] = np.nextafter(values, values * random.choice([0.5, 2.0], size=values.shape))
@@ -221,7 +221,7 @@ def test_random_motions_in_webassembly_have_the_same_numbers(seed):
 
 @pytest.mark.parametrize("name", ["impact-mash-tl3-pickup", "impact-mash-tl4-sut"])
 def test_a_steep_line_of_unloading_does_not_amplify_rounding(name):
-    """It is 1/5000 as long as the crush, and the vehicle bounces on it."""
+    """It is 1/5000 of the crush, and the vehicle bounces."""
     steep = {"contact.restitution": 0.014, "contact.friction": 0.04, "impact.angle": 0.15}
     kernel, arguments, answer = motion_of(name, steep)
     expected = numbers_of(arguments[-2], answer[3])
