@@ -146,7 +146,7 @@ def _press_strip(
     law = law_of(strip, memories.shape[0], mobility, of_axle, coefficient, early, h, ahead)
     press, touches = press_points(law, memories, places, rates, crest, wall, facets)
     if press.presses:
-        _add_press(press, law, b, q, centre, ends, places, push, sums)
+        _add_press(press, law, b, q, centre, ends, moving, places, push, sums)
     return touches
 
 
@@ -170,7 +170,7 @@ def _velocities(b, ends, moving):
 
 
 @reordered
-def _add_press(press, law, b, q, centre, ends, places, push, sums):
+def _add_press(press, law, b, q, centre, ends, moving, places, push, sums):
     """Add the forces on points to loads and sums.
 
     The normal force of a strip that returns no energy is added apart, because a part of it may be taken away.
@@ -194,8 +194,10 @@ def _add_press(press, law, b, q, centre, ends, places, push, sums):
     if not law.stops:
         add_sums(push, sums, 1.0)
         return
-    _, asy, asz = centripetal(b, ends.ax, ends.ay, ends.az)
-    _, aey, aez = centripetal(b, ends.bx, ends.by, ends.bz)
+    rate = 0.0 if np.isnan(centre) else q[col.JOINT_NOW + 1]
+    heaving = 0.0 if np.isnan(centre) else q[col.JOINT_NOW]
+    _, asy, asz = centripetal(b, rate, heaving, ends.ax, ends.ay, ends.az, moving.ay, moving.az)
+    _, aey, aez = centripetal(b, rate, heaving, ends.bx, ends.by, ends.bz, moving.by, moving.bz)
     turning = 0.5 * law.h * (normal.ay * asy + normal.az * asz + normal.by * aey + normal.bz * aez)
     push[col.STOPPED], push[col.GAP] = 0.0, press.gap + turning
     for j in range(8):

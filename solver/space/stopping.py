@@ -102,12 +102,15 @@ def add_sums(push, sums, part):
 
 
 @reordered
-def centripetal(b, x, y, z):
-    """Return the acceleration of a body's point by its spin, in space."""
+def centripetal(b, roll_rate, heave_rate, x, y, z, uy, uz):
+    """Return the acceleration of a point by constant rates, in space.
+
+    uy, uz: velocity relative to the body, of the joint rates of an axle, in its axes [m/s].
+    """
     wx, wy, wz = b[col.NOW + 3], b[col.NOW + 4], b[col.NOW + 5]
     vx, vy, vz = cross(wx, wy, wz, x, y, z)
-    ax, ay, az = cross(wx, wy, wz, vx, vy, vz)
-    return rotated(b, ax, ay, az)
+    ax, ay, az = cross(wx, wy, wz, vx, vy + 2.0 * uy, vz + 2.0 * uz)
+    return rotated(b, ax, ay - roll_rate * (uz - heave_rate), az + roll_rate * uy)
 
 
 @reordered

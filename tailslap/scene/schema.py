@@ -576,8 +576,7 @@ class Wall(SceneTable):
     elements: ElementCounts | None = key("number of elements along and across; required without [body]")
     height: Length | None = key("height of the elastic wall, or with [body] of any wall")
     profile: Profile | None = key(
-        'profile with [body]: "vertical", "single-slope", "f-shape", "new-jersey", or points [y, z] from [0, 0] '
-        "upwards; default: vertical"
+        "profile with [body], by name or as points [y, z] from [0, 0] upwards; default: vertical"
     )
     foundation_stiffness: LayerStiffness | None = key(
         "stiffness of the foundation per length of the elastic wall"
