@@ -433,6 +433,22 @@ def test_held_vehicle_is_the_planar_one(initial_force, hardening, restitution, f
         assert h[name][k] == pytest.approx(value, rel=1e-5, abs=1e-6), name
 
 
+def test_strips_on_body_and_axle_stop_with_second_order():
+    """Energy of a rolling truck on a high wall, without restitution."""
+    ahead, wheels = (replace(strip, restitution=0.0) for strip in truck().strips[:2])
+    vehicle, errors = replace(truck(), strips=(ahead, wheels)), list[Any]()
+    for step in (5e-4, 2.5e-4, 1.25e-4):
+        for speed in (21.0, 23.0, 25.0):
+            options = {"interval": 2e-3, "step": step, "points": 1e-3, "end": 1.0}
+            h = solve_space(vehicle, SpaceWall(3.0), speed, ANGLE, **options).history
+            energy: Any = sum(h[f"{name}_energy"] for name in ("kinetic", "gravity", "spring", "tyre"))
+            energy = energy - sum(h[f"{name}_work"] for name in ("wall", "friction", "tyre", "damping"))
+            errors.append(np.abs(energy - energy[0]).max() / energy[0])
+    means = np.sqrt(np.mean(np.reshape(errors, (3, 3)) ** 2, axis=1))
+    assert (np.log2(means[:-1] / means[1:]) > 1.8).all()
+    assert means[-1] < 3e-6
+
+
 def stopped(angle, inertia=YAW):
     """Return the velocities after a front strike without restitution, by SciPy.
 
