@@ -439,7 +439,7 @@ def test_strips_on_body_and_axle_stop_with_second_order():
     vehicle, errors = replace(truck(), strips=(ahead, wheels)), list[Any]()
     for step in (5e-4, 2.5e-4, 1.25e-4):
         for speed in (21.0, 23.0, 25.0):
-            options = {"interval": 2e-3, "step": step, "points": 1e-3, "end": 1.0}
+            options: dict[str, Any] = {"interval": 2e-3, "step": step, "points": 1e-3, "end": 1.0}
             h = solve_space(vehicle, SpaceWall(3.0), speed, ANGLE, **options).history
             energy: Any = sum(h[f"{name}_energy"] for name in ("kinetic", "gravity", "spring", "tyre"))
             energy = energy - sum(h[f"{name}_work"] for name in ("wall", "friction", "tyre", "damping"))
