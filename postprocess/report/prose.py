@@ -14,7 +14,10 @@ if TYPE_CHECKING:
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
-GLUED = re.compile(r"(?<=\d) (?=[a-z%])|(?<=\d x) (?=\d)|(?<==) | (?==)|(?<=row) | (?=[^\[\]]{0,9}\])")
+GLUED = re.compile(
+    r"(?<=\d) (?=[a-z%]|[GM]?(?:N|J|Pa)\b)|(?<=N) (?=[sm]\b)|(?<=\d x) (?=\d)"
+    r"|(?<==) | (?==)|(?<=row) | (?=[^\[\]]{0,9}\])"
+)
 
 
 CODE = re.compile(r"`([^`]+)`")

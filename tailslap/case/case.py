@@ -262,8 +262,8 @@ class Case(ABC):
         return f", {multiple} times {first.name}, {level} ({force(first.force)})"
 
     @property
-    def inertial_mean(self) -> float | None:
-        """Inertial estimate of the largest 50 ms mean [N], None without one."""
+    def inertial(self) -> dict[str, Any] | None:
+        """Inertial estimate of the largest 50 ms mean, None without one."""
         return None
 
     @abstractmethod

@@ -193,7 +193,7 @@ class ForceBand:
         parts = [f"decided most by {', and '.join(inputs)} of the variance"] if inputs else []
         if self.growth:
             slow, fast = self.speeds
-            parts.append(f"from {slow} to {fast} it grows {self.growth:.2g} times")
+            parts.append(f"from {slow} to {fast} the force grows {self.growth:.2g} times")
         text = "; ".join(parts).replace(") of the variance", " of the variance)")
         return f"{text[0].upper()}{text[1:]}. " if text else ""
 

@@ -127,7 +127,7 @@ def design_ratios(case: Case, lateral: float) -> list[dict[str, object]]:
 
     Over that by acceleration the inertial estimate, None without one.
     """
-    computed = {False: lateral, True: case.inertial_mean}
+    computed = {False: lateral, True: case.inertial and case.inertial["mean_50ms"]}
     return [
         {
             **{"name": name, "force": design.force, "source": design.source},
@@ -174,9 +174,14 @@ def design_table(
         companion = [] if math.isnan(lateral) else [computed | {"name": "Companion in the plane, 50 ms mean"}]
         rows = [computed | at_force, computed | at_moment, *companion]
         loads = design_ratios(case, mean)
-    by_acceleration = any(BY_ACCELERATION in str(load["name"]) for load in loads)
-    notes = (OF_SPACE if in_space else OUTSIDE_THE_PLANE, *((INERTIAL,) if by_acceleration else ()))
-    return Table(DESIGN, [*rows, *loads] if loads or in_space else [], notes=notes)
+    notes = [OF_SPACE if in_space else OUTSIDE_THE_PLANE]
+    if any(BY_ACCELERATION in str(load["name"]) for load in loads):
+        notes.append(INERTIAL)
+        if case.inertial:
+            place = ", assumed place" if case.inertial["assumed"] else ""
+            row = {"name": f"Inertial estimate{place}", "force": case.inertial["mean_50ms"]}
+            rows.append(dict.fromkeys(computed) | row)
+    return Table(DESIGN, [*rows, *loads] if loads or in_space else [], notes=tuple(notes))
 
 
 def strikes_table(strikes: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:

@@ -266,7 +266,8 @@ def test_a_run_names_the_companion_and_has_occupant_values_in_space(tmp_path):
         "Companion in the plane: the same strips without heights",
         "above the wall omitted",
         "Companion in the plane, 50",
-        "For the design", "In space, largest moment", "Impact severity", "Strip of the body",
+        "For the design", "In space, largest moment", "Inertial estimate, assumed place",
+        "Impact severity", "Strip of the body",
         "the scene has no wall.depth", "needs a road as wide, which the scene does not state",
     ):  # fmt: skip
         assert words in page

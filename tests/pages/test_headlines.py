@@ -145,8 +145,8 @@ def test_a_whole_impact_answers_with_median_band_and_ratio_before_its_own_force(
         .headline(band)
         .in_units(SI)
         .band.startswith(
-            "Decided most by the plateau, assumed 200 to 500 kN (24 % of the variance); from 45 to 75 mph it grows 1.5 "
-            "times. Band of 72 rigid vehicles"
+            "Decided most by the plateau, assumed 200 to 500 kN (24 % of the variance); from 45 to 75 mph the force "
+            "grows 1.5 times. Band of 72 rigid vehicles"
         )
     )
 
@@ -264,11 +264,13 @@ def test_ratios_and_the_other_restitution_are_named(outcome):
     named = [table.columns[2].label for table in tables]
     assert named == ["50 ms mean / design"] * 2
     for result in (truck, hit):
-        computed, first, second, *_ = shared.design_table(result.fe_plan.case, result.mean_force).rows
+        rows = shared.design_table(result.fe_plan.case, result.mean_force).rows
+        computed, *estimates, first, second, _ = rows
         assert computed["force"] == result.mean_force
         assert first["ratio"] == pytest.approx(result.mean_force / (80.0 * KIP))
-        inertial = result.fe_plan.case.inertial_mean
-        assert second["ratio"] == (inertial and pytest.approx(inertial / (22.05 * 4.5 * KIP)))
+        assert [row["name"] for row in estimates] == ["Inertial estimate, assumed place"] * (result is hit)
+        for estimate in estimates:
+            assert second["ratio"] == pytest.approx(estimate["force"] / (22.05 * 4.5 * KIP))
     peak, mean, newton = corner.peak_table(truck).rows
     assert (mean["fe"], mean["rigid"]) == pytest.approx((0.75 * peak["fe"], 0.75 * peak["rigid"]))
     assert newton["what"] == "Peak with Newton's convention (1 + e)"

@@ -292,6 +292,10 @@ def unbroken(name):
 
 def test_a_unit_in_brackets_stays_in_one_piece():
     assert prose.glued("peak impulse [10⁻³ kN s] of it") == "peak impulse [10⁻³\xa0kN\xa0s] of it"
+    assert (
+        prose.glued("5 kN s of 2 GPa over 3 N m, N of 4")
+        == "5\xa0kN\xa0s of 2\xa0GPa over 3\xa0N\xa0m, N of 4"
+    )
 
 
 def test_zero_has_no_sign():

@@ -56,7 +56,7 @@ def paper_lines(beside: dict[str, Any] | None, units: str) -> list[str]:
         "",
         "The paper's method (uniform rectangle, whole side stopped at once)",
         f"  tail-slap at {beside['t']:.4g} s, impulse {impulse}, peak force {force}, 50 ms mean "
-        f"{shown(beside['mean_50ms'], 'N', units, digits=DIGITS)} with a duration of {beside['duration']:g} s",
+        f"{shown(beside['mean_50ms'], 'N', units, digits=DIGITS)} with {beside['duration']:g} s, assumed",
     ]
     if read := beside["computed_duration"]:
         force = shown(beside["computed_peak_force"], "N", units, digits=DIGITS)

@@ -367,11 +367,6 @@ class RigidImpact(Case):
         return columns | {SENSOR: speed, "sensor_acceleration": acceleration}
 
     @property
-    def inertial_mean(self) -> float | None:
-        """Inertial estimate of the largest 50 ms mean [N], None of trains."""
-        return None if self.inertial is None else float(self.inertial["mean_50ms"])
-
-    @property
     def inertial_sentence(self) -> str:
         """Inertial estimate in words, empty of trains."""
         if self.inertial is None:
@@ -561,11 +556,14 @@ class RigidImpact(Case):
         return lines + paper_lines(self.paper_method, units)
 
     def _strike_lines(self, units: str) -> list[str]:
-        """Return the lines on strikes."""
+        """Return the lines on strikes, of light ones their number."""
         answer = self.answer
         lines = ["Strikes"] if answer.strikes else ["no strike"]
         errors = [strike["error"] for strike in self.space.strikes] if self.space else []
+        heavy = answers.heavy(answer.strikes)
         for strike, error in zip_longest(answer.strikes, errors):
+            if strike not in heavy:
+                continue
             peak, impulse = (
                 shown(value, unit, units, digits=DIGITS)
                 for value, unit in ((strike.peak_force, "N"), (strike.impulse, "N s"))
@@ -576,6 +574,9 @@ class RigidImpact(Case):
             if error:
                 stated = (f"{name.partition('_')[0]} {percent_up(value)}" for name, value in error.items())
                 lines.append(f"{'':<18} error at most: {', '.join(stated)}")
+        if light := len(answer.strikes) - len(heavy):
+            limit = 100 * answers.WEIGHT
+            lines.append(f"  {light} lighter, below {limit:g} % of the largest impulse: --json")
         return lines
 
     def _hinge_lines(self, units: str) -> list[str]:
