@@ -64,7 +64,6 @@ DEMAND = (
         {"lower": "over lower bound", "upper": "over upper bound", "aashto": "over A13.3.1"}, form=".2f"
     ),
 )
-BANDS = (*DEMAND[:2], Column("band", "Band, over lower bound", form=str))
 SIMPLE = (
     Column("name", "Simple formula"),
     Column("value", "Value", form="#.4g", unit_key="unit", style="strong"),

@@ -158,7 +158,7 @@ def test_results_have_the_keys_of_the_interface():
 def test_a_vehicle_in_space_is_solved_in_space_alone(scene, monkeypatch):
     """Strikes, forces, end, history, drawing and row are of that motion."""
     monkeypatch.setattr(rigid, "_solved", None)
-    result = tailslap.rigid(scene, {"plate": None})
+    result = tailslap.rigid(scene, {"plate": None}, band=False)
     case: Any = case_of_scene(scene, {"plate": None})
     space, summary = case.space, result.summary
     assert ("error" in summary, len(summary.get("hinges", []))) == (False, len(case.scene.trailer))
@@ -166,6 +166,11 @@ def test_a_vehicle_in_space_is_solved_in_space_alone(scene, monkeypatch):
     impulse = sum(strike["impulse"] for strike in summary["strikes"])
     assert impulse == pytest.approx(5e-4 * case.answer.history["force_normal"].sum(), rel=2e-3)
     assert result.tables["Strikes"].rows[0]["title"] == "1 front"
+    lines, impulses = case.rigid_text(), np.array([strike["impulse"] for strike in summary["strikes"]])
+    light = int((impulses < 0.05 * impulses.max()).sum())
+    assert light > 0
+    assert f"  {light} lighter, below 5 % of the largest impulse: --json" in lines
+    assert sum(" s: peak" in line for line in lines) == len(impulses) - light
     assert summary["peaks"] == {name: curve.max() for name, curve in space.curves["lateral"].items()}
     assert summary["peaks"]["mean_50ms"] == pytest.approx(float(space.motion.answers.mean_50ms), rel=1e-3)
     assert set(LABELS) == set(summary["peaks"])

@@ -82,6 +82,15 @@ def test_files_have_the_motion_of_the_sensor(name, label, tmp_path):
     assert h["sensor_acceleration"].sum() * h["t"][1] == pytest.approx(gain, rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("name", "changes"), [(IMPACT, ("sensor.position=4",)), ("impact-parapet-tl4-sut", ())]
+)
+def test_the_papers_method_ignores_tables_of_a_whole_impact(name, changes):
+    assert case(name, *changes).paper_method == case("impact-mash-tl4-sut").paper_method | {
+        key: case(name, *changes).paper_method[key] for key in ("computed_duration", "computed_peak_force")
+    }
+
+
 def test_an_assumed_place_is_called_assumed():
     for name in (IMPACT, SPACE):
         one = case(name)

@@ -10,7 +10,7 @@ from tailslap.scene.units import shown
 from tailslap.scene.vary import Source, vary
 
 OF_A_WHOLE_IMPACT = (
-    "contact", "axle", "body", "strip", "plate", "material", "damping", "wall", "time", "verify",
+    "contact", "sensor", "parapet", "axle", "body", "strip", "plate", "material", "damping", "wall", "time", "verify",
     "vehicle.centre_of_mass", "vehicle.yaw_inertia", "impact.test_level",
 )  # fmt: skip
 """Tables and keys that the paper's method does not use."""
