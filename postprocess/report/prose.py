@@ -26,7 +26,7 @@ EXPONENT = re.compile(r"(?<![\w.])([+-]?\d+(?:\.\d+)?)e([+-]?\d+)\b")
 
 MINUS = re.compile(r"(?<![\w.\-/])-(?=\d)")
 
-SQUARE = re.compile(r"(?<=[A-Za-z])\^-?[23]\b")
+SQUARE = re.compile(r"(?<=[A-Za-z)])\^-?[23]\b")
 
 NAMED = re.compile(
     r"(?<![\w;&.\-])[A-Z\d]{1,6}(?:\.\d)?(?:-[A-Z\d]{1,6})*-\d[A-Z\d]*\b|(?<![\w&.\-])[a-z]+\d-[a-z]+\b"

@@ -30,7 +30,8 @@ DESIGN = (
 )
 OF_SPACE = (
     "Ratios: the force in space over the design load. Its height is that of the resultant, its length that of a "
-    "uniform force with the same standard deviation along the wall; along and vertical forces are at the same instant. "
+    "uniform force with the same standard deviation along the wall, as seen from the vehicle: without its travel "
+    "in the 50 ms, and small for one upright strip. Along and vertical forces are at the same instant. "
     "Force, height and length are one load, as in Section 13 of AASHTO LRFD; force times height is its moment about "
     "the foot of the wall, and the largest moment governs the base."
 )

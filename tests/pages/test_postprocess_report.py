@@ -313,6 +313,7 @@ IN_PRINT = [
     ("2025-10-11, CFC-180", f"{unbroken('2025-10-11')}, {unbroken('CFC-180')}"),
     ("omega and mu |N|, start.omega", "ω and μ |N|, start.omega"),
     ("2 MN/m^2, exp(-3)", "2 MN/m², exp(−3)"),
+    ("m (v sin(theta))^2/2", "m (v sin(θ))²/2"),
     ("from v_GX", "from <i>v</i><sub>GX</sub>"),
     ("`omega = -1e-06`", "<code>omega = -1e-06</code>"),
 ]
