@@ -293,7 +293,7 @@ def _headline(
 def _turning_length(strengths: Strengths, row: Computed, length: float) -> float:
     """Return the length below which a wall turns over [m].
 
-    row: strength of a wall of that length; 0 without proof.
+    The load is in its middle. row: strength of a wall of `length`; 0 without proof.
     """
     per_length, bounds = float(strengths.moments[2, 0]) / row.load.height, row.bounds
     if row.place != "interior" or bounds.lower.value > (1.0 - TOLERANCE) * per_length * length:
