@@ -28,9 +28,9 @@ def with_pictures(report: Report, rows: list[Computed], folder: Path) -> Report:
             warnings.warn(f"no pictures are drawn: {error}", stacklevel=2)
             return report
         caption = (
-            f"{row.where.capitalize()}, seen from the traffic, green the load: mechanism of the upper bound with its "
-            "yield lines, red with tension on the traffic face, blue on the back; moments of the lower bound, upright "
-            "and along the wall, positive with tension on the traffic face; largest moment over strength."
+            f"{row.where.capitalize()}, seen from the traffic, the load in green: mechanism of the upper bound "
+            "with its yield lines, red with tension on the traffic face, blue on the back; moments of the lower bound, "
+            "upright and along the wall, positive with tension on the traffic face; largest moment over strength."
         )
         pictures.append(Picture(path, caption, dark_form(path)))
     sections = [*report.page.sections]
