@@ -11,8 +11,8 @@ joined, and have points of their own.
 
 Each motion is computed with step and points that the program chooses. The reference has at most 1/32 of the first step
 and 1/8 of the chosen one, whole strips, and at least 8 times the points of many motions. The true error of a quantity
-is its distance from the reference, over its size or the least size of `solver.space.looks.COMPARED`; that of the height
-the distance from the nearest of the stated heights. The outcome is that of the report, undecided within the error of
+is its distance from the reference, over its size or the least size of `accuracy.COMPARED`; that of the height the
+distance from the nearest of the stated heights. The outcome is that of the report, undecided within the error of
 the lowest wall; the largest roll is judged where it is decided.
 
 --keep    records of the runs, a line each; those that are there are not made again
@@ -45,7 +45,7 @@ from solver.space import (
     lowest_walls,
     solve_space,
 )
-from solver.space.looks import COMPARED
+from solver.space.accuracy import COMPARED
 from solver.space.motion import INTERVAL, PHASE, TOLERANCE
 from solver.space.solve import OUTCOMES, steps_of
 from solver.space.vehicle import fleet_of

@@ -18,12 +18,13 @@ from typing import Any
 
 import numpy as np
 
-from tailslap.browser import kernels, model, page
+from tailslap.browser import kernels, model, page, space_model
 from tailslap.case.of_arguments import case_of_scene
 from tailslap.errors import InputError
 from tailslap.scene.schema import value_at
 
 CHROMIUM = "/usr/bin/chromium"
+IN_SPACE = "impact-tipping-tl4-sut", "impact-97-kip-tractor-van"
 STRIDE = 40
 """Rows of a motion that are compared: each of this number."""
 
@@ -42,7 +43,8 @@ ANSWER = """([name, changes, stride]) => {
 TIMES = """([name, count]) => {
   open(data.scenes.findIndex((one) => one.name === name));
   clearTimeout(timer);
-  return ["motion", "band"].map((kernel) => Math.min(...Array.from({ length: count }, () => {
+  const kernels = scene().rows.length ? ["space"] : ["motion", "band"];
+  return kernels.map((kernel) => Math.min(...Array.from({ length: count }, () => {
     const start = performance.now();
     machine.call(kernel);
     return performance.now() - start;
@@ -106,9 +108,9 @@ def compare(tab: Any, names: list[str], count: int) -> None:
 def time_both(tab: Any, name: str) -> None:
     """Print the shortest times of motion and band on both sides [ms]."""
     case: Any = case_of_scene(name, None)
-    built: Any = model.model_of(case)
-    here = []
-    for kernel, arguments in built.calls.values():
+    built: Any = (space_model if case.scene.body else model).model_of(case)
+    here, names = [], ["space"] if case.scene.body else ["motion", "band"]
+    for kernel, arguments in (built.calls[one] for one in names):
         spent = []
         for _ in range(15):
             began = time.perf_counter()
@@ -116,7 +118,7 @@ def time_both(tab: Any, name: str) -> None:
             spent.append(1e3 * (time.perf_counter() - began))
         here.append(min(spent))
     there = tab.evaluate(TIMES, [name, 15])
-    for kernel, here_ms, there_ms in zip(built.calls, here, there, strict=True):
+    for kernel, here_ms, there_ms in zip(names, here, there, strict=True):
         print(
             f"{name} {kernel}: native {here_ms:.1f} ms, Chromium {there_ms:.1f} ms, {there_ms / here_ms:.1f} times"
         )
@@ -141,8 +143,13 @@ def main() -> None:
         tab.wait_for_function("() => document.body.dataset.band")
         first, band = (tab.get_attribute("body", f"data-{name}") for name in ("ready", "band"))
         print(f"first answer after {first} ms, its band in {band} ms")
-        for name in ("impact-mash-tl4-sut", "impact-mash-tl5-tractor-van"):
+        for name in ("impact-mash-tl4-sut", "impact-mash-tl5-tractor-van", *IN_SPACE):
             time_both(tab, name)
+        for name in IN_SPACE:
+            tab.evaluate("delete document.body.dataset.band")
+            tab.evaluate("(name) => open(data.scenes.findIndex((one) => one.name === name))", name)
+            tab.wait_for_function("() => document.body.dataset.band")
+            print(f"{name}: answer with its band after {tab.get_attribute('body', 'data-band')} ms")
         compare(tab, [name for name in names if is_computed(name)], count)
 
 

@@ -54,7 +54,8 @@ def compile_kernel(kernel: Implementation, kinds: Kinds, resolve: Resolve, symbo
     resolve: see `machine_code.translate.Resolve`. symbol: name of the code, which must be another for other code of
     the process. Raises TranslationError, and UnknownTypeError for a result that is not of numbers.
     """
-    translation, result = _translated(kernel, kinds, resolve, symbol)
+    translation = Translation(resolve, kernel.is_compact, checks_indices())
+    result = _translate(translation, kernel, kinds, symbol)
     codes = "".join(map(value_codes, kinds))
     machine_code = target().emit_object(_optimised(translation, target()))
     return ObjectCode(symbol, codes, _result_of(result), machine_code)
@@ -65,8 +66,9 @@ def assembly(kernel: Implementation, kinds: Kinds, resolve: Resolve) -> str:
 
     Arguments as of `compile_kernel`.
     """
-    module = _optimised(_translated(kernel, kinds, resolve, "kernel")[0], target())
-    text: str = target().emit_assembly(module)
+    translation = Translation(resolve, kernel.is_compact, checks_indices())
+    _translate(translation, kernel, kinds, "kernel")
+    text: str = target().emit_assembly(_optimised(translation, target()))
     return text
 
 
@@ -78,24 +80,22 @@ def object_file(
 ) -> bytes:
     """Return one object file of kernels by symbol, for another machine.
 
-    further: functions that it has in place of imported ones, in LLVM's language.
+    Functions that several kernels call are there once. further: functions that it has in place of imported ones, in
+    LLVM's language.
     """
-    first, *others = (
-        _optimised(_translated(kernel, kinds, resolve, symbol)[0], machine)
-        for symbol, (kernel, kinds) in kernels.items()
-    )
-    for other in (*others, llvm_library().parse_assembly(further)):
-        first.link_in(other)
-    code: bytes = machine.emit_object(first)
+    is_compact = all(kernel.is_compact for kernel, _ in kernels.values())
+    translation = Translation(resolve, is_compact, checks_indices())
+    for symbol, (kernel, kinds) in kernels.items():
+        _translate(translation, kernel, kinds, symbol)
+    module = _optimised(translation, machine)
+    module.link_in(llvm_library().parse_assembly(further))
+    code: bytes = machine.emit_object(module)
     return code
 
 
-def _translated(
-    kernel: Implementation, kinds: Kinds, resolve: Resolve, symbol: str
-) -> tuple[Translation, Value]:
-    """Return a kernel in LLVM's language, and its result."""
+def _translate(translation: Translation, kernel: Implementation, kinds: Kinds, symbol: str) -> Value:
+    """Translate a kernel to LLVM's language, and return its result."""
     codes = "".join(map(value_codes, kinds))
-    translation = Translation(resolve, kernel.is_compact, checks_indices())
 
     def read(code: FunctionText) -> Arguments:
         places = [code.item("%arguments", "i64", str(n)) for n in range(len(codes))]
@@ -105,7 +105,7 @@ def _translated(
         ]
         return _arguments(iter(kinds), iter(operands), code)
 
-    return translation, translation.kernel(kernel, symbol, read)
+    return translation.kernel(kernel, symbol, read)
 
 
 def _arguments(kinds: Iterator[Any], operands: Iterator[str], code: FunctionText) -> Arguments:

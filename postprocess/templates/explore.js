@@ -101,6 +101,7 @@ function mark(key, text) {
 function refuse(text, key) {
   at("headline").textContent = text;
   at("headline").classList.add("refused");
+  stop();
   for (const id of ["band", "certainty", "force", "plan", "strikes", "peaks", "keys", "force-caption", "plan-caption"]) at(id).replaceChildren();
   motion = undefined;
   mark(key, key ? text : "");
@@ -115,8 +116,9 @@ function compute() {
       refuse(`${quantity.key}: given ${measure(number, quantity.unit, 6)}; ${data.texts[quantity.allowed[chosen.units]]}`, quantity.key);
       return;
     }
-    machine.array("motion.values")[quantity.column] = number;
+    machine.array(scene().rows.length ? "space.values" : "motion.values")[quantity.column] = number;
   }
+  if (scene().rows.length) return computeInSpace();
   const [reason, item, verdict, count] = machine.solve();
   if (reason !== POSSIBLE || verdict) {
     const why = reason ? refusal(reason, item) : { text: VERDICTS[verdict] };
@@ -144,28 +146,35 @@ function read(count) {
     curves: data.filters.map((_, c) => curves.subarray(c * all, c * all + count)), peaks: machine.array("motion.motion.peaks") };
 }
 
+function ratio(mean, span = "") {
+  // A force over the design load of the scene, with those of a band.
+  const load = scene().compared;
+  return load ? `, ${(mean / load[1]).toPrecision(2)}${span} times ${load[0]} (${force(load[1])})` : "";
+}
+
+function bandWords(ends, name) {
+  const load = scene().compared, span = load ? ` (${[ends[0], ends[2]].map((end) => (end / load[1]).toPrecision(2)).join(" to ")})` : "";
+  return `median ${force(ends[1])}; ${name}: ${force(ends[0], false)} to ${force(ends[2])}${ratio(ends[1], span)}. ${data.of_scene}`;
+}
+
 function answer(ends, name) {
   // The answer, with lower end, median and upper end of the band where it is there.
-  const peak = motion.peaks[MEAN], paper = machine.array("motion.paper.mean")[0], strikes = motion.strikes, load = scene().compared;
+  const peak = motion.peaks[MEAN], paper = machine.array("motion.paper.mean")[0], strikes = motion.strikes;
   const largest = strikes.reduce((best, one, k) => one.mean > strikes[best].mean ? k : best, 0), one = strikes[largest];
   const least = strikes.some((strike) => strike.cut) ? "at least " : "", equal = plateaus().some((one) => Math.abs(peak / one - 1) <= data.rounding);
-  const ratio = (mean, span) => load ? `, ${(mean / load[1]).toPrecision(2)}${span} times ${load[0]} (${force(load[1])})` : "";
-  let text = `${data.force}: `;
-  if (ends) {
-    const span = load ? ` (${[ends[0], ends[2]].map((end) => (end / load[1]).toPrecision(2)).join(" to ")})` : "";
-    text += `median ${force(ends[1])}; ${name}: ${force(ends[0], false)} to ${force(ends[2])}${ratio(ends[1], span)}. ${data.of_scene}`;
-  }
+  let text = `${data.force}: ${ends ? bandWords(ends, name) : ""}`;
   text += `${least}${force(peak)} in strike ${largest + 1} (${scene().parts[one?.group]}, from ${one?.start.toFixed(3)} s)`
-    + `${equal ? data.equal : ""}${ends || equal ? "" : ratio(peak, "")}.${Number.isNaN(paper) ? "" : ` Paper's method: ${force(paper)}.`}`;
+    + `${equal ? data.equal : ""}${ends || equal ? "" : ratio(peak)}.${Number.isNaN(paper) ? "" : ` Paper's method: ${force(paper)}.`}`;
   at("headline").classList.remove("refused");
   at("headline").textContent = strikes.length ? text : "The vehicle does not strike the wall.";
   const error = machine.array("motion.outcome.error")[0];
   at("certainty").textContent = `Rigid vehicle in the plane; error by the time step at most ${digits(100 * error * 1.05, 2)} %.`;
 }
 
-function drawBand() {
+function drawBand(name) {
   // Places within ranges by parts of a Latin hypercube: numbers of PCG64 (O'Neill, HMC-CS-2014-0905) as NumPy draws them.
-  const [, , [columns, rows]] = scene().arrays["band.ranges.drawn"], drawn = machine.array("band.ranges.drawn"), parts = contents[scene().drawn];
+  if (machine.array(name)[0]) return;
+  const [, , [columns, rows]] = scene().arrays[name], drawn = machine.array(name), parts = contents[scene().drawn];
   const [first, increment] = data.random.map(BigInt), half = (1n << 64n) - 1n;
   let state = first;
   for (let i = 0; i < rows; i++) {
@@ -185,12 +194,13 @@ function speeds() {
   return `from ${slow} to ${fast} ${unit}`;
 }
 
-function decision(between) {
+function decision(kernel, between) {
   // The inputs and the speed that decide the force.
-  const fractions = machine.array("band.ranges.fractions"), ends = machine.array("band.ranges.ends"), growth = machine.array("band.growth.ratio")[0];
+  const fractions = machine.array(`${kernel}.ranges.fractions`), ends = machine.array(`${kernel}.ranges.ends`), growth = between ? machine.array(`${kernel}.growth.ratio`)[0] : 0;
   const inputs = [...fractions.keys()].filter((r) => fractions[r] > data.named[0]).sort((r, q) => fractions[q] - fractions[r]).slice(0, data.named[1]).map((r) => {
-    const [, origin, name, ...forms] = scene().ranges[r];
-    return `${name}, ${origin.includes("assumed") ? "assumed " : ""}${span(ends[2 * r], ends[2 * r + 1], ...forms)} (${(100 * fractions[r]).toFixed(0)} %)`;
+    const [key, origin, name, ...forms] = scene().ranges[r], low = ends[2 * r], high = ends[2 * r + 1];
+    const range = key.includes("*") ? `${digits(low, 2)} to ${digits(high, 2)} times that of the scene` : span(low, high, ...forms);
+    return `${name}, ${origin.includes("assumed") ? "assumed " : ""}${range} (${(100 * fractions[r]).toFixed(0)} %)`;
   });
   const parts = inputs.length ? [`decided most by ${inputs.join(", and ")} of the variance`] : [];
   if (growth) parts.push(`${between} it grows ${digits(growth, 2)} times`);
@@ -199,7 +209,7 @@ function decision(between) {
 }
 
 function band() {
-  if (!machine.array("band.ranges.drawn")[0]) drawBand();
+  drawBand("band.ranges.drawn");
   const between = speeds(), start = performance.now(), [reason, item, verdict, varied, number] = machine.call("band");
   const ranges = scene().ranges, ends = machine.array("band.ranges.ends");
   if (reason || verdict) {
@@ -211,16 +221,21 @@ function band() {
   const found = machine.array("band.percentiles").slice(data.percentiles);
   const [name, calibrated] = scene().classes[number] ?? [data.band];
   answer(found, name);
+  bandText(ranges, ends, `${decision("band", between)}Band of ${machine.array("band.forces").length} rigid vehicles over ${varied} inputs`, calibrated);
+  document.body.dataset.band = (performance.now() - start).toFixed(1);
+}
+
+function bandText(ranges, ends, text, calibrated) {
+  // Sentence of a band, and the ranges at their boxes.
   const fixed = ranges.filter((_, r) => Number.isNaN(ends[2 * r])).map(([key]) => key);
   const assumed = ranges.filter(([key, origin]) => origin.includes("assumed") && !fixed.includes(key)).length;
-  at("band").textContent = `${decision(between)}Band of ${machine.array("band.forces").length} rigid vehicles over ${varied} inputs, ${assumed} with assumed ranges${calibrated ? `; ${calibrated}` : ""}`
+  at("band").textContent = `${text}, ${assumed} with assumed ranges${calibrated ? `; ${calibrated}` : ""}`
     + (fixed.length ? `; not varied, since outside the range: ${fixed.map((key) => `\`${key}\``).join(", ")}.` : ".");
   ranges.forEach(([key, origin], r) => {
     const box = document.querySelector(`.quantity[data-key="${key}"] .range`), quantity = scene().quantities.find((one) => one.key === key);
     if (box) box.textContent = fixed.includes(key) ? `outside the range of the band (${origin})`
       : `band: ${digits(ends[2 * r] * shown(quantity.unit)[0], 4)} to ${measure(ends[2 * r + 1], quantity.unit)} (${origin})`;
   });
-  document.body.dataset.band = (performance.now() - start).toFixed(1);
 }
 
 function ticks(most, count) {
@@ -234,7 +249,7 @@ function draw() {
   const x = (t) => left + (width - left - 8) * t / motion.end, y = (f) => (height - bottom) * (1 - f / most);
   const grid = ticks(most * factor, 5).map((f) => `<path class="axis" d="M${left} ${y(f / factor)}H${width - 8}"/>`
     + `<text x="${left - 6}" y="${y(f / factor) + 4}" text-anchor="end">${f}</text>`);
-  const marks = ticks(motion.end, Math.max(3, width / 110)).map((t) => `<text x="${x(t)}" y="${height - 10}" text-anchor="middle">${t}</text>`);
+  const marks = ticks(motion.end, Math.max(3, width / 110)).filter((t) => x(t) < width - 26).map((t) => `<text x="${x(t)}" y="${height - 10}" text-anchor="middle">${t}</text>`);
   let above = Infinity, side = 0;  // names of lines that are close stand side by side
   const lines = loads.filter(([, load]) => load <= most).sort((one, other) => one[1] - other[1]).map(([label, load]) => {
     side = above - y(load) < 14 ? (side + 1) % 3 : 0;
@@ -243,12 +258,14 @@ function draw() {
     return `<path class="load" d="M${left} ${y(load)}H${width - 8}"/>`
       + `<text class="load-text" x="${place}" y="${y(load) - 4}" text-anchor="${anchor}">${escaped(label)}</text>`;
   });
-  const curves = [0, chosen.filter, MEAN].map((curve, c) => `<path class="curve curve${c}" d="${path(motion.curves[curve], x, y, width)}"/>`);
+  const filter = motion.curves[chosen.filter] ? chosen.filter : 1;  // in space there are means alone
+  const curves = [0, filter, MEAN].map((curve, c) => `<path class="curve curve${c}" d="${path(motion.curves[curve], x, y, width)}"/>`);
   at("force").innerHTML = `<svg viewBox="0 0 ${width} ${height}" role="img" aria-label="Lateral force over time">${grid.join("")}${marks.join("")}`
     + `${curves.join("")}${lines.join("")}<text x="${width - 8}" y="${height - 10}" text-anchor="end">s</text></svg>`;
   at("force-caption").textContent = `Lateral force on the wall [${name}]${lines.length ? "; lines across: design forces" : ""}`;
-  at("keys").innerHTML = ["force", data.filters[chosen.filter][1], data.filters[MEAN][1]].map((text, c) => `<span><i class="curve${c}"></i>${text}</span>`).join("");
+  at("keys").innerHTML = ["force", data.filters[filter][1], data.filters[MEAN][1]].map((text, c) => `<span><i class="curve${c}"></i>${text}</span>`).join("");
   at("plan-caption").textContent = "Plan: positions at first touch, at the strikes and at the end; filled: at the time below. The wall is the line.";
+  if (scene().rows.length) return drawInSpace();
   table();
   peaks();
   plan();
@@ -297,7 +314,11 @@ function table() {
   const rows = motion.strikes.map((one, k) => [`${k + 1}: ${scene().parts[one.group]}`, one.start.toFixed(4),
     `${one.cut ? "at least " : ""}${(one.end - one.start).toFixed(4)}`, force(one.peak, false), force(one.mean, false),
     digits(one.impulse * shown("N s")[0], 4)]);
-  at("strikes").innerHTML = `<caption>Strikes</caption><thead><tr>${head.map((text, k) => `<th scope="col"${k ? ' class="n"' : ""}>${text}</th>`).join("")}</tr></thead>`
+  fillTable("Strikes", head, rows);
+}
+
+function fillTable(caption, head, rows) {
+  at("strikes").innerHTML = `<caption>${caption}</caption><thead><tr>${head.map((text, k) => `<th scope="col"${k ? ' class="n"' : ""}>${text}</th>`).join("")}</tr></thead>`
     + `<tbody>${rows.map((row) => `<tr><th scope="row">${row[0]}</th>${row.slice(1).map((text) => `<td class="n">${text}</td>`).join("")}</tr>`).join("")}</tbody>`;
 }
 
@@ -340,8 +361,12 @@ function box(quantity) {
 function open(number) {
   chosen.scene = number;
   machine = new Machine(structuredClone(data.scenes[number]), wasm, contents);
+  delete at("time").dataset.moved;
+  at("space").hidden = !scene().rows.length;
+  at("filter").parentElement.hidden = !at("space").hidden;
+  for (const id of ["peaks", "walls", "walls-caption", "lowest"]) at(id).replaceChildren();
   at("scene").value = String(number);
-  at("footer").textContent = `${scene().name}: ${scene().title}. Kernels ${data.digest.slice(0, 12)}; \`tailslap rigid\` computes the same numbers.`;
+  at("footer").textContent = `${scene().name}: ${scene().title}. Kernels ${data.digest.slice(0, 12)}.${scene().rows.length ? "" : " \`tailslap rigid\` computes the same numbers."}`;
   boxes();
   compute();
 }
@@ -451,7 +476,12 @@ async function begin() {
     save();
     if (motion) draw();
   });
-  at("time").addEventListener("input", () => motion && plan());
+  at("time").addEventListener("input", () => {
+    at("time").dataset.moved = "";
+    if (motion) (scene().rows.length ? views : plan)();
+  });
+  at("play").addEventListener("click", () => motion && play());
+  stop();
   at("reset").addEventListener("click", () => { chosen.values.clear(); boxes(); compute(); });
   at("copy-scene").addEventListener("click", () => copy(tomlOf(), "Scene"));
   at("copy-link").addEventListener("click", () => copy(location.href, "Link"));

@@ -1,34 +1,35 @@
-"""One motion in space, refined until its error is small.
+"""One motion in space with its history, stated errors and lowest wall.
 
-Steps and points of the strips are halved apart from each other. As the change by half of either may be small by
-chance, a further motion has other steps and points than halves. An outcome is decided where all these motions, and
-those with half the steps on walls a little lower and higher, have the same, and no two of them part near balance.
+Steps and points are chosen in compiled code, see `solver.space.accuracy`.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 
 import numpy as np
 
 from machine_code.compiled import OnCompile, ignore_compiling
 from solver import rules
 from solver.conditions import Array, Gate
-from solver.impact.strikes import Strike, strikes_of
+from solver.impact.counting import LIGHT
+from solver.impact.strikes import Strike, nearest, strikes_of
 from solver.impact.strips import names_of_places
-from solver.space import state
-from solver.space.looks import LEAST_ERROR, SAFETY, Look, look_at, strike_errors
+from solver.space import accuracy, state
+from solver.space.accuracy import LEAST_ERROR, MARGIN, SAFETY, Choice
 from solver.space.solve import (
     NO_PUSH,
     OUTCOMES,
     SCAN,
     SpaceAnswers,
+    answers_of,
+    call,
+    clock_of,
     highest_centres,
-    run,
+    rows_of,
     searched_walls,
     steps_of,
-    with_points,
 )
 from solver.space.strips import joined
 from solver.space.vehicle import SpaceVehicle, SpaceWall, fleet_of
@@ -36,29 +37,19 @@ from solver.space.vehicle import SpaceVehicle, SpaceWall, fleet_of
 UNDECIDED = "undecided"
 """Outcome that changes with step, points, or the height of the wall by `MARGIN`, or of a motion near balance."""
 
-BALANCE = 0.25 * math.pi
-"""Angle from balance to a roll of 90 deg, about [rad]: motions whose rolls part by it over `SAFETY` may end apart."""
-
 INTERVAL, PHASE = 1e-3, 0.2
 """Time between rows [s], and first step times the rate of the fastest oscillation [rad]."""
-
-TOLERANCE, REFINEMENTS, POINTS, MOST_POINTS = 1e-3, 6, 2, 8
-"""Largest error, most refinements of step or points, first and most points of a strip over those of many motions."""
-
-FORMER, UNRESOLVED = 0.25, 0.1
-"""Part of the change before the last that counts, as in a scheme of second order, and the change from which a step does
-not resolve the motion and does not count. A single change may be small by chance."""
-
-OTHER_STEPS, OTHER_POINTS = 2.0 / 3.0, 0.75
-"""Steps and points of the further motion over those of the answer."""
 
 LOWEST_WALLS = (0.7 * SCAN, 1.0, 1.0), (0.85 * SCAN, 1.5, 2.0), (SCAN, 2.0, 4.0)
 """Step of the search for a lowest wall [m], with steps and points over those of many motions.
 
 Outcomes may alternate with the height of the wall: searches that try other walls then end apart."""
 
-MARGIN = 2e-3
-"""Change of the height of the wall within which the outcome must be the same, and least error of a lowest wall [m]."""
+QUANTITIES = "peak_force", "impulse", "duration"
+"""Quantities of a strike whose error is stated."""
+
+LIGHTER, APART = 1.5, 1.2
+"""Factors up and down on impulse and time off the wall by which touches belong to one strike."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +117,7 @@ class SpaceMotion:
         Returns
         -------
         list of dict
-            Relative errors of `looks.QUANTITIES` of each strike, see `looks.strike_errors`.
+            Relative errors of `QUANTITIES` of each strike, see the function `strike_errors`.
         """
         return strike_errors(strikes, float(self.history["t"][1]), self.pushes, self.compared)
 
@@ -161,10 +152,10 @@ def solve_space(
     *,
     interval: float = INTERVAL,
     step: float | None = None,
-    points: float = POINTS,
+    points: float = accuracy.POINTS,
     end: float | None = None,
     push: Array = NO_PUSH,
-    tolerance: float = TOLERANCE,
+    tolerance: float = accuracy.TOLERANCE,
     on_compile: OnCompile = ignore_compiling,
 ) -> SpaceMotion:
     """Solve one motion in space with its history.
@@ -202,49 +193,36 @@ def solve_space(
         For impossible values, where no strip reaches the face of the wall, and where the steps become too short.
     """
     fleet = fleet_of(vehicle, wall, speed, angle)
-    parts = int(steps_of(fleet, interval, PHASE, step)[0])
+    clock = clock_of(interval, steps_of(fleet, interval, PHASE, step), end, push)
+    motions = accuracy.room_for(fleet, rows_of(clock), interval)
+    call(
+        fleet,
+        clock,
+        on_compile,
+        motions=motions,
+        choice=Choice(float(points), not step, tolerance),
+    )
+    one, *others = motions.at
+    answers = answers_of(fleet, motions.answers[one : one + 1], motions.rolls[one : one + 1])
+    Gate().demand(rules.NO_CONTACT, bool(answers.rows[0]), float(fleet.height[0]))
+    names, strips = column_names(fleet.units.shape[1], fleet.axles.shape[1]), push_names(vehicle)
 
-    @cache
-    def solved(parts: int, points: float, higher: float = 0.0) -> tuple[SpaceAnswers, Array, Look]:
-        changed = with_points(fleet, points)._replace(height=fleet.height + higher)
-        answers, rows = run(changed, interval, np.array([parts]), end, push, on_compile, with_rows=True)
-        Gate().demand(rules.NO_CONTACT, bool(answers.rows[0]), float(fleet.height[0]))
-        return answers, rows, look_at(answers, rows, interval)
+    def pushes(k: int) -> dict[str, Array]:
+        rows = motions.rows[k, 1 : int(motions.answers[k, state.ROWS_WRITTEN])]
+        return dict(zip(strips, rows[:, len(names) :].T, strict=True))
 
-    def look(*of: float) -> Look:
-        return solved(*of)[2]
-
-    strip_error, other_error, parting, outcomes, compared = 0.0, 0.0, 0.0, set[int](), list[Look]()
-    if step:
-        step_error = SAFETY * max(look(parts, points).changes(look(max(parts // 2, 1), points)))
-    else:
-        parts, points, step_error, strip_error = _refined(look, parts, points, tolerance)
-    answers, rows, one = solved(parts, points)
-    if not step:
-        further, half = look(max(1, round(OTHER_STEPS * parts)), OTHER_POINTS * points), max(parts // 2, 1)
-        compared = [look(half, points), look(parts, 0.5 * points), further]
-        walls = [look(half, points, higher) for higher in (-MARGIN, MARGIN)]
-        of_mean = SAFETY * max(one.changes(motion)[1] for motion in compared)
-        other_error = max(SAFETY * max(one.changes(further)), one.spread(of_mean))
-        outcomes |= {motion.outcome for motion in (*compared, *walls)}
-        parting = SAFETY * max(one.parting(motion) for motion in compared)
-        step_error = max(step_error, LEAST_ERROR - strip_error)
-    error = max(step_error + strip_error, other_error)
-    table, names = rows[: int(answers.rows[0])], column_names(fleet.units.shape[1], fleet.axles.shape[1])
-    strips = push_names(vehicle)
-
-    def pushes(look: Look) -> dict[str, Array]:
-        return dict(zip(strips, look.rows[1:, len(names) :].T, strict=True))
-
+    parts, finer, step_error, strip_error, other_error, undecided, heights = motions.result.tolist()
+    table = motions.rows[one, : int(answers.rows[0])]
     instants: Array = interval * np.arange(len(table), dtype=np.float64)
     history = {"t": instants, **dict(zip(names, table.T, strict=False))}
     if vehicle.sensor is None:
         history = {name: column for name, column in history.items() if name not in state.SENSOR}
     return SpaceMotion(
-        UNDECIDED if outcomes - {one.outcome} or parting > BALANCE else OUTCOMES[one.outcome],
+        UNDECIDED if undecided else OUTCOMES[int(answers.outcome[0])],
         SpaceAnswers(*(values[0] for values in answers)),
-        history, pushes(one), tuple(map(pushes, compared)),
-        interval / parts, points, step_error, strip_error, other_error, one.heights(error),
+        history, pushes(one), () if step else tuple(map(pushes, others)),
+        interval / parts, finer, step_error, strip_error, other_error,
+        tuple(motions.heights[: int(heights)].tolist()),
     )  # fmt: skip
 
 
@@ -291,25 +269,44 @@ def lowest_wall(
     return height, max(error, almost + SCAN - height if almost else 0.0)
 
 
-def _refined(
-    look: Callable[..., Look], parts: int, points: float, tolerance: float
-) -> tuple[int, float, float, float]:
-    """Refine steps or points, whichever have the larger error.
+def strike_errors(
+    strikes: Sequence[Strike],
+    interval: float,
+    pushes: Mapping[str, Array],
+    compared: Iterable[Mapping[str, Array]],
+) -> list[dict[str, float]]:
+    """Return relative errors of strikes by quantity.
 
-    Returns the steps of an interval, the points, and the errors by both.
+    `SAFETY` times the sum of the changes by steps, points and rows, plus the largest change by other limits of what
+    belongs to a strike. As the former may be small by chance, it counts as no less than its geometric mean with the
+    largest of the strike. Infinite where a motion lacks the strike.
+
+    strikes: of a motion with shorter rows; interval: between rows of the forces [s]; pushes, compared: as of
+    `SpaceMotion`.
     """
-    parts, former, errors = max(parts, 2), [math.inf, math.inf], [math.inf, 0.0]
-    for attempt in range(REFINEMENTS + 1):
-        if attempt and errors[0] < errors[1]:
-            points, former[0] = 2.0 * points, math.inf
-        elif attempt:
-            parts, former[1] = 2 * parts, math.inf
-        one, coarse = look(parts, points), (look(parts // 2, points), look(parts, 0.5 * points))
-        for k, coarser in enumerate(coarse):
-            before = FORMER * former[k] if former[k] < UNRESOLVED else 0.0
-            former[k] = max(one.changes(coarser))
-            errors[k] = SAFETY * max(former[k], before)
-        is_same = all(coarser.outcome == one.outcome for coarser in coarse)
-        if (sum(errors) <= tolerance and is_same) or (errors[0] < errors[1] and points >= MOST_POINTS):
-            break
-    return parts, points, errors[0], errors[1]
+
+    def counted(forces: Mapping[str, Array], light: float = LIGHT, apart: float = 1.0) -> tuple[Strike, ...]:
+        size = len(next(iter(forces.values())))
+        instants: Array = interval * np.arange(size + 1, dtype=np.float64)
+        return strikes_of(instants, forces, light=light, apart=apart)
+
+    same, motions = counted(pushes), [counted(forces) for forces in compared]
+    limits = [counted(pushes, factor * LIGHT) for factor in (1.0 / LIGHTER, LIGHTER)]
+    limits += [counted(pushes, apart=factor) for factor in (1.0 / APART, APART)]
+    errors = []
+    for strike in strikes:
+        changes = [_changes(strike, same, after) for after in motions]
+        resolved = SAFETY * np.sum([_changes(strike, [strike], same), *changes], axis=0)
+        unsure = np.max([_changes(strike, same, after) for after in limits], axis=0)
+        error = np.maximum(np.sqrt(resolved * resolved.max()) + unsure, LEAST_ERROR)
+        errors.append(dict(zip(QUANTITIES, error.tolist(), strict=True)))
+    return errors
+
+
+def _changes(strike: Strike, before: Sequence[Strike], after: Sequence[Strike]) -> Array:
+    """Return the relative change of each of `QUANTITIES` of the nearest strikes."""
+    pair = nearest(before, strike), nearest(after, strike)
+    if not all(pair):
+        return np.full(len(QUANTITIES), np.inf)
+    first, last = (np.array([getattr(one, name) for name in QUANTITIES]) for one in pair)
+    return np.abs(last / first - 1.0)

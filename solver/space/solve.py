@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 from machine_code.compiled import OnCompile, compile_once, ignore_compiling
 from solver import rules
 from solver.conditions import Array, Gate, Number
-from solver.space import columns, state
-from solver.space.looks import WINDOW
-from solver.space.state import Clock, Fleet, SpaceWork, row_columns, workspace
-from solver.space.step import advance
+from solver.space import accuracy, columns, state
+from solver.space.accuracy import Choice, Motions
+from solver.space.state import Clock, Fleet, SpaceWork, workspace
 from solver.space.vehicle import SpaceVehicle, SpaceWall, fleet_of
 
 OUTCOMES = ("upright", "on its side", "over the wall")
@@ -27,8 +26,11 @@ INTERVAL, PHASE = 2e-3, 0.4
 MOST_PARTS = 4096
 """Most steps of an interval."""
 
-NO_PUSH = np.zeros((0, 5))
-"""No force besides that of the wall."""
+NO_PUSH, NOTHING = np.zeros((0, 5)), np.zeros((0, 2))
+"""No force besides that of the wall; no answers."""
+
+NO_CHOICE = Choice(1.0, False, 0.0)
+"""Choice of no motion."""
 
 SCAN = 0.04
 """Step of the search for the lowest wall before the bisection [m]."""
@@ -121,7 +123,9 @@ def solve_spaces(
     """
     fleet = with_points(fleet_of(vehicle, wall, speed, angle), finer)
     parts = refine * steps_of(fleet, INTERVAL, PHASE, None)
-    return run(fleet, INTERVAL, parts, None, NO_PUSH, ignore_compiling, with_rows=False)[0]
+    answers, rolls = np.zeros((len(parts), state.ANSWERS)), np.zeros(fleet.units.shape[:2])
+    call(fleet, clock_of(INTERVAL, parts, None, NO_PUSH), ignore_compiling, answers=answers, rolls=rolls)
+    return answers_of(fleet, answers, rolls)
 
 
 def lowest_walls(
@@ -184,24 +188,27 @@ def searched_walls(fleet: Fleet, scan: float, refine: float, finer: float, on_co
     """
     fleet = with_points(fleet, finer)
     parts = np.ceil(refine * steps_of(fleet, INTERVAL, PHASE, None)).astype(np.int64)
-    clock, none = _clock(INTERVAL, parts, None, NO_PUSH), np.empty((0, 0))
     walls = np.stack([highest_centres(fleet), np.zeros(len(parts))], axis=1)
-    arguments = fleet, clock, _workspace(fleet, clock), np.empty((0, 0, 0)), none, none, scan, walls
-    compile_once(lambda: advance(*arguments), advance, *arguments, on_compile=on_compile)
+    call(fleet, clock_of(INTERVAL, parts, None, NO_PUSH), on_compile, scan=scan, lowest=walls)
     return walls
 
 
-def _clock(interval: float, parts: NDArray[np.int64], end: float | None, push: Array) -> Clock:
+def clock_of(interval: float, parts: NDArray[np.int64], end: float | None, push: Array) -> Clock:
     """Return the steps of a run."""
-    window = max(1, round(WINDOW / interval))
+    window = max(1, round(accuracy.WINDOW / interval))
     return Clock(
         interval, parts, window, end or LONGEST, end is not None, np.ascontiguousarray(push, dtype=float)
     )
 
 
-def _workspace(fleet: Fleet, clock: Clock) -> SpaceWork:
+def rows_of(clock: Clock) -> int:
+    """Return the most rows of a motion."""
+    return math.ceil(clock.longest / clock.interval) + 2
+
+
+def workspace_of(fleet: Fleet, clock: Clock) -> SpaceWork:
     """Return the workspace for one sample of a fleet."""
-    points, rows = int(fleet.strip_points.sum()), math.ceil(clock.longest / clock.interval) + 2
+    points, rows = int(fleet.strip_points.sum()), rows_of(clock)
     return workspace(*_counts(fleet), points, len(fleet.profile), rows)
 
 
@@ -210,26 +217,35 @@ def _counts(fleet: Fleet) -> tuple[int, int, int]:
     return fleet.units.shape[1], fleet.axles.shape[1], fleet.strips.shape[1]
 
 
-def run(
+def call(
     fleet: Fleet,
-    interval: float,
-    parts: NDArray[np.int64],
-    end: float | None,
-    push: Array,
+    clock: Clock,
     on_compile: OnCompile,
-    with_rows: bool,
-) -> tuple[SpaceAnswers, Array]:
-    """Return the answers of all samples, and the rows of the first."""
-    clock, (n, units) = _clock(interval, parts, end, push), fleet.units.shape[:2]
-    work = _workspace(fleet, clock)
-    rows = np.zeros((1, len(work.windows) if with_rows else 0, row_columns(*_counts(fleet))))
-    answers, rolls = np.zeros((n, state.ANSWERS)), np.zeros((n, units))
-    arguments = fleet, clock, work, rows, answers, rolls, 0.0, np.empty((0, 2))
-    compile_once(lambda: advance(*arguments), advance, *arguments, on_compile=on_compile)
+    *,
+    motions: Motions | None = None,
+    choice: Choice = NO_CHOICE,
+    answers: Array = NOTHING,
+    rolls: Array = NOTHING,
+    scan: float = 0.0,
+    lowest: Array = NOTHING,
+) -> None:
+    """Call `accuracy.advance`; what is absent is not solved."""
+    most = max(choice.finer, 2.0 * accuracy.MOST_POINTS if choice.is_chosen else 1.0)
+    work = workspace_of(with_points(fleet, most), clock)
+    motions = motions or accuracy.room_for(fleet, 0, clock.interval)
+    arguments = fleet, clock, work, motions, choice, answers, rolls, scan, lowest
+    compile_once(lambda: accuracy.advance(*arguments), accuracy.advance, *arguments, on_compile=on_compile)
+
+
+def answers_of(fleet: Fleet, answers: Array, rolls: Array) -> SpaceAnswers:
+    """Return answers, shape (n, columns), and rolls by name.
+
+    Raises RigidBodyError for a motion that became infinite.
+    """
     Gate().demand(rules.SPACE_LOST, answers[:, state.OUTCOME] != state.LOST, _fastest(fleet))
-    columns: dict[str, Any] = dict(zip(SpaceAnswers._fields[:-1], answers.T, strict=True))
-    columns |= {name: columns[name].astype(np.int64) for name in ("outcome", "rows")}
-    return SpaceAnswers(**columns, unit_rolls=rolls), rows[0]
+    named: dict[str, Any] = dict(zip(SpaceAnswers._fields[:-1], answers.T, strict=True))
+    named |= {name: named[name].astype(np.int64) for name in ("outcome", "rows")}
+    return SpaceAnswers(**named, unit_rolls=rolls)
 
 
 def with_points(fleet: Fleet, finer: float) -> Fleet:

@@ -7,7 +7,7 @@ the velocities half a step before and the last accelerations. The scheme is of s
 
 import numpy as np
 
-from machine_code.compiled import compact, compiled
+from machine_code.compiled import compiled
 from solver.space import state as col
 from solver.space.dynamics import assemble, begin_step, close_hinges, kick, move, rotated, turned_back
 from solver.space.forces import (
@@ -29,30 +29,12 @@ RESOLUTION, LOWEST_WALL, ALMOST = 1e-3, 0.1, np.radians(65.0)
 """Resolution and lowest height of the search for a wall [m], and roll from which a vehicle almost tips [rad]."""
 
 
-@compact
-def advance(fleet, clock, work, rows, answers, rolls, scan, lowest):
-    """Follow every sample to its end, or search for the lowest wall.
-
-    rows, shape (1 or n, rows, columns): as many as fit; answers, shape (n, columns); rolls, shape (n, units): largest
-    of each unit [rad]. lowest: empty, or of shape (n, 2) with the first wall of a search, which becomes the lowest wall
-    above which each sample remains upright, NaN where a wall by `scan` higher than the first does not suffice, and the
-    highest tried one on which it almost tips although a lower one suffices, 0 without; scan: steps downwards from the
-    first wall, before the bisection [m].
-    """
-    for i in range(fleet.units.shape[0]):
-        if lowest.size > 0:
-            lowest[i, 0], lowest[i, 1] = _lowest_wall(fleet, clock, i, work, lowest[i, 0], scan)
-        else:
-            row = rows[min(i, rows.shape[0] - 1)]
-            _follow(fleet, clock, i, fleet.height[i], work, row, answers[i], rolls[i])
-
-
 @compiled
-def _lowest_wall(fleet, clock, i, work, holds, scan):
+def lowest_wall(fleet, clock, i, work, holds, scan):
     """Return the lowest wall above which sample i remains upright.
 
     holds: first wall that is tried [m]. The second value is the highest tried wall on which it almost tips, see
-    `advance`.
+    `accuracy.advance`.
     """
     fails, almost, latest = LOWEST_WALL, 0.0, 0.0
     if not _is_upright(fleet, clock, i, holds, work):
@@ -79,12 +61,12 @@ def _lowest_wall(fleet, clock, i, work, holds, scan):
 @compiled
 def _is_upright(fleet, clock, i, height, work):
     """Return True if sample i remains upright on this wall."""
-    _follow(fleet, clock, i, height, work, work.windows[:0], work.answer, work.rolls)
+    follow(fleet, clock, i, height, work, work.windows[:0], work.answer, work.rolls)
     return work.answer[col.OUTCOME] == col.UPRIGHT
 
 
 @compiled
-def _follow(fleet, clock, i, height, work, rows, answer, rolls):
+def follow(fleet, clock, i, height, work, rows, answer, rolls):
     """Follow sample i on a wall of this height to its end."""
     units, axles, strips, parts = fleet.units[i], fleet.axles[i], fleet.strips[i], clock.parts[i]
     h = clock.interval / parts

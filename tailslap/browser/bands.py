@@ -79,11 +79,7 @@ def solve_band(nominal, values, parts, ranges, classes, growth, case, outcome, m
         if growth.forces[0, i] > 0.0 and growth.forces[1, i] > 0.0:
             total, count = total + math.log(growth.forces[1, i] / growth.forces[0, i]), count + 1
     growth.ratio[0] = math.exp(total / float(count)) if count > 0 else 0.0
-    sort(forces)
-    for k in range(percentiles.shape[1]):
-        place = 0.01 * percentiles[0, k] * float(forces.size - 1)
-        j = min(int(place), forces.size - 2)
-        percentiles[1, k] = forces[j] + (place - float(j)) * (forces[j + 1] - forces[j])
+    fill_percentiles(forces, forces.size, percentiles)
     return POSSIBLE, 0, 0, varied, calibrate(nominal, parts, classes, percentiles)
 
 
@@ -172,6 +168,19 @@ def eliminate(matrix, solution):
         for q in range(k + 1, size):
             total -= matrix[k, q] * solution[q]
         solution[k] = total / matrix[k, k]
+
+
+@compiled
+def fill_percentiles(forces, count, percentiles):
+    """Sort forces, and fill the percentiles of the least ones.
+
+    Those beyond the count are infinite.
+    """
+    sort(forces)
+    for k in range(percentiles.shape[1]):
+        place = 0.01 * percentiles[0, k] * float(count - 1)
+        j = min(int(place), count - 2)
+        percentiles[1, k] = forces[j] + (place - float(j)) * (forces[j + 1] - forces[j])
 
 
 @compiled

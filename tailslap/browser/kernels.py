@@ -264,6 +264,12 @@ def set_law(values, parts, train, p, i):
     train.plateau_force[p, i], train.restitution[p, i] = length * plateau, restitution
     train.hardening[p, i] = length * hardening
     train.unloading_stiffness[p, i], train.friction[p, i] = length * unloading, values[parts.common[2], i]
+    return law_reason(stiffness, initial, plateau, restitution, unloading, hardening)
+
+
+@compiled
+def law_reason(stiffness, initial, plateau, restitution, unloading, hardening):
+    """Return the reason why a crush law is impossible."""
     if not (plateau > 0.0 and plateau >= initial):
         return PLATEAU
     if not (initial == 0.0 and plateau == np.inf) and not 2.0 * restitution * restitution <= 1.0 + 1e-12:
@@ -288,6 +294,12 @@ def set_body(values, parts, train, u, i):
     if u > 0:
         train.hitch[u - 1, i] = values[parts.units[u - 1, 3], i] - values[column[5], i]
         train.kingpin[u - 1, i] = centre - values[column[6], i]
+    return body_reason(length, width, mass, centre, inertia)
+
+
+@compiled
+def body_reason(length, width, mass, centre, inertia):
+    """Return the reason why a body is impossible."""
     if not 0.0 < centre < length:
         return CENTRE
     most = mass * (centre * (length - centre) + width**2 / 4.0)

@@ -19,12 +19,14 @@ from solver.impact.strips import LINE_POINTS, SIDES
 from solver.impact.train import Train
 from solver.impact.trajectories import room_for, timing
 from solver.impact.tyres import SUMS, Tyres
+from solver.space.strips import joined
 from tailslap.browser import bands, kernels
 from tailslap.campaign import band_samples, planar_ranges, sampling
 from tailslap.campaign.input_ranges import HARDENING, LIGHT_VEHICLES, MASS, Range
 from tailslap.case.force_band import PERCENTILES
 from tailslap.case.impact import answers, rigid
 from tailslap.case.impact.rigid_input import Touching, touching
+from tailslap.case.impact.space import space_input
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene.schema import Scene, value_at
 from tailslap.scene.write import quantity_at
@@ -47,12 +49,12 @@ MEANS = (0.01, 0.05)
 """Widths of the means of a page, the last that of the answer [s]."""
 
 BEYOND = {
-    "body": "impacts in the plane",
     "contact.stiffness": "vehicles that crush",
     "contact.strike_duration": "impacts with a stiffness",
     "wall": "rigid walls",
     "time.end": "impacts that end after their strikes",
     "strip.height": "strips without heights",
+    "strip.at": "strips apart from each other",
     "axle.friction": "axles with friction",
 }
 """What a page computes instead of scenes with these keys."""
@@ -94,14 +96,14 @@ def model_of(case: ImpactCase) -> Model:
     instants = math.ceil(rigid.LONGEST / interval) + 2
     workspaces = tuple(np.zeros(instants + 1) for _ in range(means))
     percentiles = np.array([PERCENTILES, np.zeros(len(PERCENTILES))], dtype=np.float64)
-    varied = _ranges(case, ranges, columns, count)
+    varied = ranges_of(case, ranges, columns, count)
     samples = np.zeros((len(values), count))
     band = (
         table,
         samples,
         parts,
         varied,
-        _classes(case),
+        class_rows(case),
         _growth(case, count),
         *solved[1],
         workspaces,
@@ -117,15 +119,14 @@ def model_of(case: ImpactCase) -> Model:
 
 
 def demand_planar(case: Any) -> None:
-    """Require a whole impact that a page computes.
+    """Require a whole impact in the plane that a page computes.
 
-    It is in the plane, on a rigid wall, with crush. Raises InputError with the key that is beyond a page.
+    It is on a rigid wall, with crush. Raises InputError with the key that is beyond a page.
     """
     scene = case.scene
     if scene.contact is None:
         _refuse(scene, "impact", "whole impacts, with [contact]")
     beyond = {
-        "body": scene.body is not None,
         "contact.stiffness": not scene.crushes,
         "contact.strike_duration": scene.contact.strike_duration is not None,
         "wall": scene.meshed_wall is not None,
@@ -133,6 +134,22 @@ def demand_planar(case: Any) -> None:
         "strip.height": any(strip.height for strip in scene.strip),
         "axle.friction": not all(axle.friction for axle in scene.axle),
     }
+    _demand(scene, beyond)
+
+
+def demand_space(case: Any) -> None:
+    """Require an impact in space that a page computes.
+
+    Raises InputError with the key that is beyond a page.
+    """
+    strips = space_input(case.scene).vehicle.strips
+    _demand(
+        case.scene,
+        {"wall": case.scene.meshed_wall is not None, "strip.at": len(joined(strips)) < len(strips)},
+    )
+
+
+def _demand(scene: Scene, beyond: Mapping[str, bool]) -> None:
     for key, is_beyond in beyond.items():
         if is_beyond:
             _refuse(scene, key, BEYOND[key])
@@ -303,7 +320,7 @@ def _growth(case: ImpactCase, count: int) -> bands.Growth:
     return bands.Growth(np.array(speeds), np.zeros((2, pairs)), np.zeros(1))
 
 
-def _ranges(
+def ranges_of(
     case: ImpactCase, ranges: tuple[Range, ...], columns: Mapping[str, int], count: int
 ) -> bands.Ranges:
     """Return the rules of the ranges about other values, the mass first."""
@@ -316,6 +333,9 @@ def _ranges(
         if item.scene_value is None:
             further = columns[f"{unit.partition('@')[0]}.stiffness"]
             width[1], width[5] = half / (0.5 * (item.lower + item.upper)), HARDENING
+        elif item.key.endswith("roll_inertia"):  # not evenly about its value
+            further, middle = columns[item.key], 0.5 * (item.lower + item.upper)
+            width[1], width[5] = half / middle, middle / value
         elif "of the length" in item.origin:
             width[2] = half / case.lengths[int(unit.split(".")[-1]) + 1 if "." in unit else 0]
         elif item.key == "vehicle.mass":
@@ -353,7 +373,7 @@ def classes_of(case: ImpactCase) -> list[VehicleClass]:
     return [one for one in classes() if level in one.levels]
 
 
-def _classes(case: ImpactCase) -> np.ndarray:
+def class_rows(case: ImpactCase) -> np.ndarray:
     """Return the classes of `bands.calibrate`."""
     rows = [[*one.speeds, *one.masses, one.calibration["factor"] or math.nan] for one in classes_of(case)]
     return np.array(rows, dtype=np.float64).reshape(-1, 5)
@@ -361,6 +381,8 @@ def _classes(case: ImpactCase) -> np.ndarray:
 
 def key_bounds(key: str, case: ImpactCase) -> tuple[float, float]:
     """Return the least and greatest value of a key [SI]."""
+    if "*" in key:  # a factor
+        return 0.0, math.inf
     quantity = quantity_at(key, case.source.tables)
     assert quantity
     return quantity.least, min(quantity.most, math.nextafter(quantity.below, 0.0))

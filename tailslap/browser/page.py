@@ -20,7 +20,8 @@ from postprocess.signals.design_forces import design_forces
 from postprocess.signals.filters import LABELS
 from postprocess.units import SYSTEMS
 from solver import rules
-from tailslap.browser import bands, kernels, model, plate
+from solver.space import SpaceAnswers, columns
+from tailslap.browser import bands, kernels, model, plate, space, space_model
 from tailslap.campaign import band_samples, sampling
 from tailslap.campaign.input_ranges import Range
 from tailslap.case.force_band import LEAST_NAMED, MOST_NAMED, PERCENTILES, Calibration, ForceBand
@@ -45,6 +46,7 @@ DISPLAYED = {
     "N/m": ("MN/m", "kip/ft"),
     "N/m^2": ("MN/m^2", "kip/ft^2"),
     "rad": ("deg", "deg"),
+    "N m/rad": ("MN m/rad", "kip ft/rad"),
     "kg m^2": ("kg m^2", "lb ft^2"),
     "s": ("s", "s"),
     "": ("", ""),
@@ -72,20 +74,43 @@ REASONS = {
 }
 """Rules of the theory by the kernels' number."""
 
-DRAWN = "band.ranges.drawn"
+REASONS |= {space.OF_COLUMNS + k: getattr(rules, name) for k, name in enumerate(columns.REASONS) if name}
+REASONS |= {space.STEPS: rules.SPACE_STEPS, space.LOST: rules.SPACE_LOST, space.NO_CONTACT: rules.NO_CONTACT}
+
+FIELDS = {"units": space_model.UNIT, "axles": space_model.AXLE, "strips": space_model.STRIP}
+"""Quantities of parts in space, in the order of their values."""
+
+PLACES = {
+    kernels.PLATEAU: ("strips", "plateau"), kernels.LINE: ("strips", "restitution"),
+    kernels.UNLOADING: ("strips", "unloading_stiffness"), kernels.HARDENING: ("strips", "hardening"),
+    kernels.CENTRE: ("units", "centre_of_mass"), kernels.INERTIA: ("units", "yaw_inertia"),
+    **{space.OF_COLUMNS + k: place for k, place in enumerate(columns.PLACES)},
+}  # fmt: skip
+"""Parts and quantities of vehicles in space that a reason refuses."""
+
+DRAWN = "band.ranges.drawn", "space_band.ranges.drawn"
 """Places within ranges, which the script of a page makes."""
 
 READ = (
+    "space.values", "space.parts.units", "space.parts.axles", "space.parts.strips", "space.parts.common",
+    "space.room.values.units", "space.room.values.axles", "space.room.values.strips", "space.room.fleet.profile",
+    "space.room.fleet.axle_unit", "space.room.fleet.strip_unit", "space.room.fleet.strip_axle", "space.room.answers",
+    "space.room.limit", "space.room.clock.parts", "space.curves.rows", "space.curves.force", "space.curves.peaks",
+    "space_band.values", "space_band.ranges.ends", "space_band.percentiles", "space_band.outcomes",
+    "space_band.ranges.fractions",
+    "space_band.place", "space_wall.place", "space_wall.walls", "space_wall.lowest",
+    "space_one.room.answers", "space_one.curves.rows", "space_one.curves.force", "space_one.curves.peaks",
+    "space_one.motions.result", "space_one.motions.heights",
     "motion.values", "motion.parts.units", "motion.parts.axles", "motion.parts.points", "motion.parts.places",
     "motion.case.0.group", "motion.case.0.plateau_force", "motion.case.1.load", "motion.case.1.unit",
     "motion.case.4.reached", "motion.outcome.rows", "motion.outcome.interval", "motion.outcome.strikes",
     "motion.outcome.error", "motion.motion.values", "motion.motion.curves", "motion.motion.strike_means",
     "motion.motion.times", "motion.motion.peaks", "motion.paper.mean", "band.ranges.fractions", "band.growth.speeds",
-    "band.growth.ratio", "band.ranges.ends", "band.percentiles", "band.forces", DRAWN,
+    "band.growth.ratio", "band.ranges.ends", "band.percentiles", "band.forces", *DRAWN,
 )  # fmt: skip
 """Arrays that the script of a page reads or fills."""
 
-SCRIPTS = "explore.js", "explore_plate.js"
+SCRIPTS = "explore.js", "explore_space.js", "explore_plate.js"
 """Parts of the script of a page, of which the last begins."""
 
 MARK = '<meta name="generator" content="tailslap explore">'
@@ -123,7 +148,7 @@ def page_of(names: Iterable[str]) -> str:
 
     names: of scenes, or files. Raises InputError for a scene that a page cannot compute, if it is the first.
     """
-    texts, contents, calls = _Numbered[str](), _Numbered[bytes](), None
+    texts, contents, calls = _Numbered[str](), _Numbered[bytes](), dict[str, Any]()
     shown, beyond = list[dict[str, Any]](), list[dict[str, str]]()
     plates, of_plates = list[dict[str, Any]](), _Numbered[bytes]()
     for name in names:
@@ -132,15 +157,14 @@ def page_of(names: Iterable[str]) -> str:
             if case.scene.contact is None:
                 plates.append(plate.plate_of(case, of_plates.number))
                 continue
-            built = model.model_of(case)
+            built = (space_model if case.scene.body else model).model_of(case)
         except InputError as error:
             if not (shown or plates):
                 raise
             beyond.append({"name": case.scene.name, "why": str(error)})
             continue
-        calls = calls or built.calls
+        calls = {**built.calls, **calls}
         shown.append(_scene(case, name, built, texts, contents))
-    assert calls
     data = {
         "digest": web_assembly.digest_of(calls),
         "module": contents.number(web_assembly.module(calls)),
@@ -158,6 +182,8 @@ def page_of(names: Iterable[str]) -> str:
         "filters": [*LABELS.items()],
         "named": [LEAST_NAMED, MOST_NAMED],
         "growth": band_samples.SPEEDS,
+        "places": {number: [table, _field(table, name)] for number, (table, name) in PLACES.items() if table},
+        "answers": SpaceAnswers._fields[:-1],
         "percentiles": len(PERCENTILES),
         "force": rigid.RigidImpact.force_words,
         "band": ForceBand().name,
@@ -211,13 +237,19 @@ def _displayed(unit: str, name: str) -> tuple[float, str]:
     return (units.converted(1.0, unit, name) if unit else 1.0), name
 
 
+def _field(table: str, name: str) -> int:
+    """Return the number of a quantity of a part in space."""
+    names = FIELDS[table]
+    return names.index(name if name in names else f"{name}.0")
+
+
 def _scene(
     case: ImpactCase, name: str, built: model.Model, texts: _Numbered[str], contents: _Numbered[bytes]
 ) -> dict[str, Any]:
     """Return a scene for a page."""
-    memory, parts = web_assembly.layout(built.calls), cast(kernels.Parts, built.calls["motion"][1][1])
-    arrays = memory.arrays.items()
-    filled = [(place.at, place.content) for key, place in arrays if place.content and key != DRAWN]
+    memory, parts = web_assembly.layout(built.calls), cast(Any, next(iter(built.calls.values()))[1][1])
+    arrays, band = memory.arrays.items(), built.calls["space_band" if case.scene.body else "band"]
+    filled = [(place.at, place.content) for key, place in arrays if place.content and key not in DRAWN]
     loads = [[load, design.force] for load, design in design_forces_of(case.scene).items()]
     text = scene_text(name)
     return {
@@ -229,7 +261,7 @@ def _scene(
         "calls": memory.calls,
         "arrays": {key: [p.at, p.kind, p.shape, p.slot] for key, p in memory.arrays.items() if key in READ},
         "contents": [(at, contents.number(content)) for at, content in [*filled, *memory.slots]],
-        "drawn": contents.number(_parts_of(cast(bands.Ranges, built.calls["band"][1][3]).drawn)),
+        "drawn": contents.number(_parts_of(cast(bands.Ranges, band[1][3]).drawn)),
         "size": memory.size,
         "quantities": [
             _quantity(case, key, column, texts)
@@ -239,6 +271,7 @@ def _scene(
         "ranges": [_range(item) for item in built.ranges],
         "speed": _speed(case),
         "parts": [_part(group) for group in case.names],
+        "rows": space_model.column_names(case) if case.scene.body else [],
         "units": parts.units[:, [0, 1, 3]].tolist(),
         "classes": [
             [ForceBand(calibration=one).name, one.sentence]
@@ -275,7 +308,8 @@ def _part(group: str) -> str:
 
 def _is_offered(case: ImpactCase, key: str) -> bool:
     """Return True for a quantity that stands in the scene."""
-    return bool(key) and "@" not in key and isinstance(value_in(case.source.tables, key), int | float | str)
+    is_of_scene = bool(key) and not key[-1].isdigit() and not {"@", "*"} & {*key}
+    return is_of_scene and isinstance(value_in(case.source.tables, key), int | float | str)
 
 
 def _range(item: Range) -> list[Any]:

@@ -26,7 +26,8 @@ def graph():
 
 STEPS = ("accuracy", "contact", "counting", "instants", "step", "trajectories", "solve", "tyres")
 IN_SPACE = (
-    "columns", "dynamics", "forces", "motion", "points", "rows", "solve", "step", "stopping", "verdict", "wall",
+    "accuracy", "columns", "dynamics", "forces", "motion", "points", "rows", "solve", "step", "stopping", "verdict",
+    "wall",
 )  # fmt: skip
 COMPILED = {
     "postprocess.signals.compiled_filters",

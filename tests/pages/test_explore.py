@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 import pytest
 from browser.session import CHROMIUM, chromium
 
@@ -27,7 +28,7 @@ in_chromium = pytest.mark.skipif(
     bool(MISSING) or not CHROMIUM.exists(), reason=f"without {', '.join(MISSING) or CHROMIUM}"
 )
 
-TRUCK, TRAIN = "impact-mash-tl4-sut", "impact-mash-tl5-tractor-van"
+TRUCK, TRAIN, TIPPING = "impact-mash-tl4-sut", "impact-mash-tl5-tractor-van", "impact-tipping-tl4-sut"
 PLATE, WALL = "paper-table-3", "elastic-wall"
 
 
@@ -43,7 +44,7 @@ def wall(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def text(wall):
-    return page.page_of([TRUCK, TRAIN, wall, PLATE])
+    return page.page_of([TRUCK, TRAIN, TIPPING, wall, PLATE])
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +78,7 @@ def test_the_command_writes_and_opens_one_file(tmp_path, monkeypatch, capsys, te
 
 
 @pytest.mark.parametrize(("scene", "words"), [
-    ("none", "none"), ("", f"`tailslap run {WALL}`"), ("impact-tipping-tl4-sut", "in the plane"),
+    ("none", "none"), ("", f"`tailslap run {WALL}`"),
 ])  # fmt: skip
 def test_scenes_beyond_the_page_are_refused(scene, words, wall, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
@@ -262,14 +263,79 @@ def test_a_plate_runs_by_its_button(browser, file, units):
 
 
 @in_chromium
+@pytest.mark.parametrize("scene", [TRUCK, TIPPING])
 @pytest.mark.parametrize(("width", "scheme"), [(390, "dark"), (1280, "light")])
-def test_screens(browser, file, width, scheme):
+def test_screens(browser, file, width, scheme, scene):
     """No fault by axe, and nothing beyond the window."""
     from axe_playwright_python.sync_playwright import Axe
 
-    tab = opened(browser, file, viewport={"width": width, "height": 900}, color_scheme=scheme)
+    tab = opened(
+        browser, file, f"#scene={scene}", viewport={"width": width, "height": 900}, color_scheme=scheme
+    )
+    if scene == TIPPING:
+        tab.wait_for_function("() => document.body.dataset.walls")
     tab.click("#run-plate")
     tab.wait_for_selector("#plate[data-spent]")
     violations = Axe().run(tab).response["violations"]
     assert [(fault["id"], fault["nodes"][0]["html"]) for fault in violations] == []
     assert tab.evaluate("document.documentElement.scrollWidth") <= width
+
+
+@in_chromium
+def test_a_truck_in_space_has_outcome_band_walls_and_views(browser, file):
+    """Answer and stated error are those of the command.
+
+    The views begin at the largest roll; the keyboard moves them.
+    """
+    tab = opened(browser, file, f"#scene={TIPPING}")
+    tab.wait_for_function("() => document.body.dataset.walls")
+    case: Any = case_of_scene(TIPPING, None)
+    motion = case.space.motion
+    one, said = motion.answers, tab.inner_text("#headline")
+    assert (
+        f"remains upright on a wall of 0.914 m with a roll of {np.degrees(one.largest_roll):.1f} deg" in said
+    )
+    assert f"This scene: {one.mean_50ms / 1e3:.0f} kN, at a height of {one.height:.3f} m" in said
+    assert case.space.accuracy in tab.inner_text("#certainty")
+    numbers = tab.evaluate("[...machine.array('space_one.motions.result')].slice(2, 5)")
+    assert numbers == pytest.approx([motion.step_error, motion.strip_error, motion.other_error], rel=1e-6)
+    assert "70 upright, 2 on its side" in tab.inner_text("#band")
+    assert "0.638 m" in tab.inner_text("#lowest")
+    assert tab.locator("#strikes tbody tr").count() == 11
+    assert tab.get_attribute("#rear", "data-roll") == f"{np.degrees(one.largest_roll):.2f}"
+    tab.focus("#time")
+    tab.keyboard.press("Home")
+    assert tab.get_attribute("#rear", "data-roll") == "0.00"
+    tab.press("#play", "Enter")
+    tab.wait_for_function("() => Number(document.getElementById('rear').dataset.roll) > 1")
+    tab.press("#play", "Enter")
+    assert tab.inner_text("#play").startswith("Play")
+    assert tab.errors == []
+    assert len(tab.requests) == 1
+
+
+@in_chromium
+def test_without_motion_a_button_shows_the_next_picture(browser, file):
+    tab = opened(browser, file, f"#scene={TIPPING}", reduced_motion="reduce")
+    tab.fill("#time", "0")
+    tab.click("#play")
+    assert tab.input_value("#time") == "125"
+    tab.wait_for_timeout(300)
+    assert tab.input_value("#time") == "125"
+
+
+@in_chromium
+@pytest.mark.parametrize(("key", "entered", "value"), [
+    ("axle.0.mass", "9500", "9500 kg"), ("body.centre_height", "0.4", "0.4 m"),
+    ("body.roll_inertia", "100", "100 kg m^2"),
+    ("axle.1.position", "11", "11 m"), ("contact.restitution", "0.8", 0.8), ("wall.height", "0.01", "0.01 m"),
+])  # fmt: skip
+def test_a_box_in_space_refuses_in_the_words_of_the_command(browser, file, key, entered, value):
+    tab = opened(browser, file, f"#scene={TIPPING}")
+    tab.fill(f'[data-key="{key}"] input[type=number]', entered)
+    tab.wait_for_selector(".refused", state="attached")
+    with pytest.raises(InputError) as refused:
+        answer(TIPPING, {key: value})
+    said = tab.text_content("#headline")
+    assert said.partition("allowed: ")[2][:16] in str(refused.value)
+    assert refused.value.key in said

@@ -18,14 +18,15 @@ from solver.space import (
     SpaceUnit,
     SpaceVehicle,
     SpaceWall,
+    accuracy,
     lowest_wall,
     lowest_walls,
     solve_space,
     solve_spaces,
+    state,
 )
+from solver.space.accuracy import COMPARED, LEAST_ERROR
 from solver.space.columns import EDGE
-from solver.space.looks import COMPARED, Look
-from solver.space.motion import LEAST_ERROR
 from solver.space.solve import SCAN, searched_walls
 from solver.space.strips import joined
 from solver.space.vehicle import fleet_of
@@ -312,13 +313,25 @@ def test_strikes_with_equal_means_have_both_heights():
     rows = np.zeros((400, 14))
     rows[50:100, 0], rows[250:300, 0] = 1.0, 0.999
     rows[:, 3] = np.where(np.arange(400) < 200, 0.6, 0.4) * rows[:, 0]
-    look = Look(0, 0.1, 1.0, 0.6, 0.099, 1.0, rows, 1e-3, 1)
-    assert look.heights(1e-4) == (0.6,)
-    assert look.heights(2e-3) == pytest.approx((0.6, 0.4))
-    other = replace(look, mean=1.001, height=0.4, time=0.299, moment=4e3, rows=rows[:, :] * 1.0)
-    assert look.changes(other) == pytest.approx(
-        (0.0, 1.001 / 0.999 * 0.999 / 1e3 - 0.999 / 1e3, 0.0, 3999.0 / 1e3), abs=1e-5
-    )
+    motions = accuracy.room_for(fleet_of(truck(), SpaceWall(0.9), SPEED, ANGLE), 400, 1e-3)
+    columns = [
+        state.ROLL,
+        state.MEAN,
+        state.CENTRE_HEIGHT,
+        state.MEAN_TIME,
+        state.MOMENT_MEAN,
+        state.ROWS_WRITTEN,
+    ]
+    motions.answers[0, columns] = 0.1, 1.0, 0.6, 0.099, 1.0, 400
+    motions.answers[1, columns] = 0.1, 1.001, 0.4, 0.299, 4e3, 400
+    motions.rows[:2, :, :14] = rows
+    for k in range(2):
+        accuracy.fill_means(motions, 50, k)
+    for error, heights in (1e-4, [0.6]), (2e-3, [0.6, 0.4]):
+        count = accuracy.fill_heights(motions, 0, error)
+        assert motions.heights[:count] == pytest.approx(heights)
+    expected = 0.0, 1.001 / 0.999 * 0.999 / 1e3 - 0.999 / 1e3, 0.0, 3999.0 / 1e3
+    assert accuracy.changes(motions, 0, 1) == pytest.approx(expected, abs=1e-5)
 
 
 def test_part_of_a_strip_above_the_top_lands_on_it():

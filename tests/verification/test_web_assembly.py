@@ -11,6 +11,7 @@ from web_module import Module
 from machine_code import web_assembly
 from machine_code.compiled import compiled
 from solver.impact import trajectories
+from tailslap.browser import space_model
 from tailslap.case.of_arguments import case_of_scene
 
 pytestmark = pytest.mark.verification
@@ -88,3 +89,23 @@ def test_a_planar_impact(monkeypatch):
     np.testing.assert_array_equal(rows[0, : len(motion.rows)], motion.rows)
     assert len(motion.rows) > 1000
     assert (np.abs(module["solve.outcome.rows"] - rows).max(axis=(0, 1)) <= 1e-9 * scale).all()
+
+
+@pytest.mark.parametrize(
+    "scene", ["impact-tipping-tl4-sut", "impact-97-kip-tractor-van", "impact-parapet-tl4-sut"]
+)
+def test_a_motion_in_space(scene):
+    """Rows and walls are those of this machine, within 1e-9 of the largest value of each column."""
+    calls = space_model.model_of(case_of_scene(scene, None)).calls
+    module, (_, _, room, curves), walls = Module(calls), calls["space"][1], calls["space_wall"][1][4]
+    _, _, count = calls["space"][0](*calls["space"][1])
+    assert module.call("space", 3).view(np.int64).tolist() == [0, 0, count]
+    rows = curves.rows[0, :count]
+    scale = np.abs(rows).max(axis=0)
+    assert (np.abs(module["space.curves.rows"][0, :count] - rows).max(axis=0) <= 1e-9 * scale).all()
+    np.testing.assert_allclose(module["space.room.answers"], room.answers, rtol=1e-9)
+    calls["space_wall"][0](*calls["space_wall"][1])
+    module.call("space_wall")
+    np.testing.assert_allclose(module["space_wall.walls"][0], walls[0], rtol=1e-9)
+    assert count > 700
+    assert walls[0, 0] > 0.0
