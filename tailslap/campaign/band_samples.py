@@ -104,7 +104,7 @@ def _with_growth(band: ForceBand, speeds: tuple[str, ...], forces: Array) -> For
     """Return a band with the growth of the forces, shape (speeds, pairs)."""
     if not band.percentiles or not speeds:
         return band
-    ratios = forces[1] / forces[0]
+    ratios = np.divide(forces[1], forces[0], out=np.zeros_like(forces[0]), where=forces[0] > 0.0)
     solved = ratios[np.isfinite(ratios) & (ratios > 0.0)]
     return replace(band, speeds=speeds, growth=float(np.exp(np.log(solved).mean())) if solved.size else 0.0)
 
