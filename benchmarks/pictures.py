@@ -19,8 +19,7 @@ from command_line import ROOT
 from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
 from postprocess.svg.chart import Chart
 from tailslap.scene.read import read_scene
-from tailslap.studies.cost.cost_diagrams import charts
-from tailslap.studies.cost.cost_report import RIGID, SOFT
+from tailslap.studies.cost.cost_report import RIGID, SOFT, charts
 from tailslap.studies.stability.cell_verdicts import MAP_KINDS
 from tailslap.studies.stability.stability_axes import axes_of
 

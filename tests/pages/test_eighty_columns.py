@@ -56,7 +56,7 @@ def demand_narrow(out):
 
 OPENED = (
     ("rigid", "mash-tl4-sut"), ("rigid", "impact-mash-tl1-car"), ("check", "mash-tl4-sut"),
-    ("modal", "paper-table-3"), ("modes", "paper-table-3", "--count", "4", "--out", "modes"),
+    ("modal", "paper-table-3"), ("modes", "paper-table-3", "--count", "1", "--out", "modes"),
     ("run", "paper-table-3", "--no-pictures", "--out", "run"), ("paper", "--out", "paper"),
     ("study", "uncertainty", "mash-tl4-sut", "--samples", "500", "--out", "study"),
     ("sweep", "paper-table-3", "--vary", "corner.friction=0.3,0.4", "--out", "sweep"),
@@ -178,7 +178,7 @@ def test_paths_are_not_broken(monkeypatch):
 
 @pytest.mark.parametrize("arguments", [
     ("scenes",), ("check", "mash-tl4-sut"), ("check", "impact-mash-tl4-sut"), ("rigid", "mash-tl4-sut"),
-    ("run", "paper-table-3", "--no-pictures"), ("modes", "paper-table-3", "--count", "3"),
+    ("run", "paper-table-3", "--no-pictures"), ("modes", "paper-table-3", "--count", "1"),
     ("modal", "paper-table-3"), ("completion", "fish"), ("new", "my-truck"),
 ], ids=" ".join)  # fmt: skip
 def test_every_command_speaks_json_or_not_at_all(arguments, tmp_path, monkeypatch, capsys):

@@ -402,7 +402,7 @@ def any_page(request, tmp_path_factory, outcome):
     commands = {
         "impact": ("run", "impact-mash-tl4-sut", "--no-pictures"),
         "paper": ("paper",),
-        "modes": ("modes", "paper-table-3", "--count", "3"),
+        "modes": ("modes", "paper-table-3", "--count", "1"),
     }
     assert _status([*commands[request.param], "--quiet", "--out", str(place)]) == 0
     (path,) = place.glob("*.html")

@@ -13,6 +13,8 @@ from typing import Any
 from tailslap.campaign import engine, levels
 from tailslap.campaign.levels import Sample
 from tailslap.campaign.records import Record
+from tailslap.case.case import Case
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact.answers import COMPARED
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.checks import failed_but_mesh
@@ -22,9 +24,12 @@ from tailslap.case.impact.run import attempt
 from tailslap.case.impact.strike_columns import COLUMNS, both_strikes
 from tailslap.scene.vary import Changes, Source
 from tailslap.studies.flexibility import plate_runs
+from tailslap.studies.flexibility.corner_flexibility import corner_flexibility
 from tailslap.studies.flexibility.flexibility_scan import scanned
 from tailslap.studies.flexibility.plate_runs import Flexibility, one_run
 
+LOWEST, IMPACT_LOWEST = "0.1 Hz", "2 Hz"
+"""Lowest first frequencies of a constrained corner and of a whole impact."""
 IMPACT_LEVELS = (1e-2, 5e-2, 1e-1)
 """Differences for which the lowest first frequency is sought."""
 NAMES = tuple(f"strike_{k}.{name}" for k in (1, 2) for name in COMPARED)
@@ -173,3 +178,14 @@ def plate_record(
     passed = not failed and (math.isinf(frequency) or error <= WORST)
     record: Record = {"frequency": frequency if math.isfinite(frequency) else None, "values": dict(values)}
     return record | {"errors": dict(errors), "failed": list(failed), "error": error, "passed": passed}
+
+
+def compute(
+    case: Case, place: Path, points: int, lowest: str | None, highest: str, workers: int | None
+) -> Flexibility:
+    """Run plates from stiff to soft."""
+    if isinstance(case, ImpactCase):
+        frequencies = levels.frequencies(lowest or IMPACT_LOWEST, highest, points)
+        return impact_flexibility(case, frequencies, place, workers)
+    assert isinstance(case, CornerCase)
+    return corner_flexibility(case, levels.frequencies(lowest or LOWEST, highest, points), place, workers)
