@@ -154,6 +154,14 @@ def calibrate() -> None:
         sys.exit(f"bootstrap: the band of the force was not calibrated:\n{output}")
 
 
+def make_page() -> None:
+    """Make the page of `tailslap explore`, unless it is of these sources."""
+    say("making the page of `tailslap explore` (seconds)")
+    succeeded, output = call([PYTHON, "-c", "from tailslap.browser import page; page.make_packaged()"])
+    if not succeeded:
+        sys.exit(f"bootstrap: the page of `tailslap explore` was not made:\n{output}")
+
+
 def digest(version: str, target: str) -> str:
     """Return a hash of all that determines an installation of `target`."""
     # The path too: when the checkout is moved, the scripts in `.venv` point to where it was.
@@ -188,6 +196,7 @@ def main() -> None:
         make_venv(options.no_system)
     update_venv(".[dev]" if options.dev else ".", options.no_system)
     calibrate()
+    make_page()
     say("ready: .venv/bin/tailslap")
 
 

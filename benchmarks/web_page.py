@@ -3,8 +3,8 @@
     python benchmarks/web_page.py [--random 200]
 
 Against kernels of this machine, of all scenes of the page and random changes of them: largest difference of a motion
-over the maximum of its column, and of the percentiles of the band. Size of the page, time to the first answer, and
-times of motion and band on both sides.
+over the maximum of its column, and of the percentiles of the band. Size of the page, time to the first answer, also
+by a slower processor, and times of motion, band and plates on both sides.
 """
 
 from __future__ import annotations
@@ -18,13 +18,16 @@ from typing import Any
 
 import numpy as np
 
-from tailslap.browser import kernels, model, page, space_model
+from tailslap.browser import kernels, model, page, plate, space_model
 from tailslap.case.of_arguments import case_of_scene
 from tailslap.errors import InputError
 from tailslap.scene.schema import value_at
 
 CHROMIUM = "/usr/bin/chromium"
 IN_SPACE = "impact-tipping-tl4-sut", "impact-97-kip-tractor-van"
+THROTTLING = 4
+"""Slower processor of a telephone, as of Lighthouse."""
+
 STRIDE = 40
 """Rows of a motion that are compared: each of this number."""
 
@@ -36,6 +39,7 @@ ANSWER = """([name, changes, stride]) => {
   const answer = machine.solve(), width = scene().arrays["motion.motion.values"][2][1], rows = [];
   const values = machine.array("motion.motion.values");
   for (let k = 0; k < answer[3]; k += stride) rows.push([...values.subarray(k * width, (k + 1) * width)]);
+  drawBand();
   const band = machine.call("band");
   return [answer, rows, band, [...machine.array("band.percentiles")]];
 }"""
@@ -43,6 +47,7 @@ ANSWER = """([name, changes, stride]) => {
 TIMES = """([name, count]) => {
   open(data.scenes.findIndex((one) => one.name === name));
   clearTimeout(timer);
+  if (!scene().rows.length) drawBand();
   const kernels = scene().rows.length ? ["space"] : ["motion", "band"];
   return kernels.map((kernel) => Math.min(...Array.from({ length: count }, () => {
     const start = performance.now();
@@ -58,7 +63,7 @@ def native(built: Any, changes: dict[str, float]) -> tuple[Any, np.ndarray, Any,
     for key, value in changes.items():
         arguments[0][built.quantities.index(key), 0] = value
     answer = kernel(*arguments)
-    rows = arguments[-1].values[: answer[3] : STRIDE].copy()
+    rows = arguments[-2].values[: answer[3] : STRIDE].copy()
     kernel, arguments = built.calls["band"]
     return answer, rows, kernel(*arguments), arguments[-1].ravel()
 
@@ -124,6 +129,38 @@ def time_both(tab: Any, name: str) -> None:
         )
 
 
+def phone(browser: Any, path: Path) -> None:
+    """Print times on a telephone, whose processor is slower [ms]."""
+    context = browser.new_context(viewport={"width": 390, "height": 844}, device_scale_factor=3)
+    tab = context.new_page()
+    context.new_cdp_session(tab).send("Emulation.setCPUThrottlingRate", {"rate": THROTTLING})
+    tab.goto(path.as_uri())
+    tab.wait_for_function("() => document.body.dataset.band")
+    first, band = (tab.get_attribute("body", f"data-{name}") for name in ("ready", "band"))
+    print(
+        f"telephone, 390 px, processor {THROTTLING} times slower: first answer after {first} ms, its band in {band} ms"
+    )
+    context.close()
+
+
+def time_plates(tab: Any) -> None:
+    """Print the shortest times of the plates on both sides [ms]."""
+    for number, name in enumerate(plate.SCENES):
+        case: Any = case_of_scene(name, None)
+        kernel, arguments = plate.calls_of(case.plan())["plate"]
+        run, here, there = kernel.bound(*arguments), [], []
+        tab.select_option("#plate-scene", str(number))
+        for _ in range(7):
+            began = time.perf_counter()
+            run()
+            here.append(1e3 * (time.perf_counter() - began))
+            there.append(1e3 * tab.evaluate("runPlate().then(() => Number(at('plate').dataset.spent))"))
+        times = min(here), min(there)
+        print(
+            f"plate of {name}: native {times[0]:.0f} ms, Chromium {times[1]:.0f} ms, {times[1] / times[0]:.1f} times"
+        )
+
+
 def main() -> None:
     from playwright.sync_api import sync_playwright
 
@@ -138,7 +175,9 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as started:
         path = Path(folder) / "explore.html"
         path.write_bytes(text)
-        tab = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"]).new_page()
+        browser = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        phone(browser, path)
+        tab = browser.new_page()
         tab.goto(path.as_uri())
         tab.wait_for_function("() => document.body.dataset.band")
         first, band = (tab.get_attribute("body", f"data-{name}") for name in ("ready", "band"))
@@ -150,6 +189,7 @@ def main() -> None:
             tab.evaluate("(name) => open(data.scenes.findIndex((one) => one.name === name))", name)
             tab.wait_for_function("() => document.body.dataset.band")
             print(f"{name}: answer with its band after {tab.get_attribute('body', 'data-band')} ms")
+        time_plates(tab)
         compare(tab, [name for name in names if is_computed(name)], count)
 
 

@@ -355,7 +355,7 @@ function box(quantity) {
     + `<label for="${id}" title="${escaped(data.texts[quantity.meaning])}">${last.replaceAll("_", " ")}</label>`
     + `<input id="${id}" type="number" step="any" value="${here}" aria-describedby="${id}-error"><span>${name}</span>`
     + `<input type="range" aria-label="${quantity.key}" min="${low}" max="${high}" step="${(high - low) / 200}" value="${here}">`
-    + `<small class="range"></small><small class="error" id="${id}-error" role="alert"></small></div>`;
+    + `<small class="range">${quantity.note}</small><small class="error" id="${id}-error" role="alert"></small></div>`;
 }
 
 function open(number) {
@@ -435,7 +435,8 @@ async function copy(text, what) {
 async function unpack(id) {
   // Numbers of a part of the page, and the contents of memory behind them.
   if (typeof DecompressionStream !== "function") throw new Error("This browser cannot unpack the page, as those since 2023 can: open it in another one.");
-  const packed = Uint8Array.from(atob(at(id).textContent), (letter) => letter.charCodeAt(0));
+  const text = atob(at(id).textContent), packed = new Uint8Array(text.length);
+  for (let k = 0; k < text.length; k++) packed[k] = text.charCodeAt(k);
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
   const unpacked = await new Response(stream).arrayBuffer(), end = 4 + new DataView(unpacked).getUint32(0, true);
   const numbers = JSON.parse(new TextDecoder().decode(unpacked.slice(4, end)));
@@ -454,8 +455,11 @@ async function moduleOf(code, digest) {
 
 async function begin() {
   [data, contents] = await unpack("data");
-  at("scene").innerHTML = data.scenes.map((one, k) => `<option value="${k}">${one.name}</option>`).join("")
-    + data.beyond.map((one) => `<option value="${escaped(one.why)}">${one.name} (command)</option>`).join("");
+  const groups = new Map();  // of scenes, each with its options
+  data.scenes.forEach(({ choice: [group, text] }, k) => groups.set(group, `${groups.get(group) ?? ""}<option value="${k}">${escaped(text)}</option>`));
+  const beyond = data.beyond.map((one) => `<option value="${escaped(one.why)}">${escaped(one.name)}</option>`).join("");
+  if (beyond) groups.set("By the command", beyond);
+  at("scene").innerHTML = [...groups].map(([group, options]) => `<optgroup label="${group}">${options}</optgroup>`).join("");
   if (typeof WebAssembly !== "object") throw new Error("This browser has no WebAssembly, by which the page computes: open it in another one.");
   wasm = await moduleOf(contents[data.module], data.digest);
   at("scene").addEventListener("change", () => {

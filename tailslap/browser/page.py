@@ -6,6 +6,7 @@ import base64
 import hashlib
 import json
 import math
+import warnings
 import zlib
 from collections.abc import Iterable
 from pathlib import Path
@@ -21,7 +22,7 @@ from postprocess.signals.filters import LABELS
 from postprocess.units import SYSTEMS
 from solver import rules
 from solver.space import SpaceAnswers, columns
-from tailslap.browser import bands, kernels, model, plate, space, space_model
+from tailslap.browser import bands, kernels, model, packaged, plate, space, space_model
 from tailslap.campaign import band_samples, sampling
 from tailslap.campaign.input_ranges import Range
 from tailslap.case.force_band import LEAST_NAMED, MOST_NAMED, PERCENTILES, Calibration, ForceBand
@@ -91,6 +92,9 @@ PLACES = {
 DRAWN = "band.ranges.drawn", "space_band.ranges.drawn"
 """Places within ranges, which the script of a page makes."""
 
+GROUPS, OTHERS = {"impact-mash-": "MASH", "impact-en-": "EN 1317-2, not confirmed"}, "Other impacts"
+"""Groups of scenes by the beginning of their names."""
+
 READ = (
     "space.values", "space.parts.units", "space.parts.axles", "space.parts.strips", "space.parts.common",
     "space.room.values.units", "space.room.values.axles", "space.room.values.strips", "space.room.fleet.profile",
@@ -119,6 +123,8 @@ MARK = '<meta name="generator" content="tailslap explore">'
 FIRST = "impact-mash-tl4-sut"
 """Scene of a page without another one."""
 
+STALE = "the page of this installation is not that of its kernels, and is made again"
+
 LARGEST = 2**22
 """Largest file that is looked at [bytes]."""
 
@@ -131,7 +137,8 @@ def write(name: str, path: Path) -> Path:
     Those of the program follow. Raises InputError for a scene that a page cannot compute, and where another file or
     folder is in place.
     """
-    text = page_of(all_scenes(name))
+    text = packaged_text() if name == FIRST else ""
+    text = text or page_of(all_scenes(name))
     try:
         if path.exists() and MARK not in read_text(path, LARGEST):
             raise ValueError("it is not a page of this command")
@@ -141,6 +148,25 @@ def write(name: str, path: Path) -> Path:
     except OSError as error:
         raise place_error(path, "the file cannot be written", error) from None
     return path
+
+
+def make_packaged() -> None:
+    """Make the page of this installation, unless it is current."""
+    if not packaged.is_current():
+        text = page_of(all_scenes(FIRST)).rstrip()
+        packaged.PATH.write_text(f"{text}\n{packaged.mark()}", encoding="utf-8")
+
+
+def packaged_text() -> str:
+    """Return the page of this installation, empty without one.
+
+    That of other sources is made again.
+    """
+    if packaged.is_current():
+        return packaged.PATH.read_text(encoding="utf-8")
+    if packaged.PATH.is_file():
+        warnings.warn(STALE, stacklevel=2)
+    return ""
 
 
 def page_of(names: Iterable[str]) -> str:
@@ -255,6 +281,7 @@ def _scene(
     return {
         "name": case.scene.name,
         "title": text.splitlines()[0].removeprefix("#").strip() if text.startswith("#") else case.scene.name,
+        "choice": _choice(case),
         "loads": loads,
         "compared": _compared(case),
         "text": text,
@@ -288,6 +315,16 @@ def _parts_of(drawn: np.ndarray) -> bytes:
     columns, rows = drawn.shape
     offsets = np.random.default_rng(sampling.SEED).uniform(size=(rows, columns)).T
     return (np.rint(rows * drawn + offsets) - 1).astype(np.uint8).tobytes()
+
+
+def _choice(case: ImpactCase) -> tuple[str, str]:
+    """Return the group and the text of a choice of scene."""
+    scene = case.scene
+    level = scene.impact and str(scene.impact.test_level)
+    group = next((group for prefix, group in GROUPS.items() if scene.name.startswith(prefix)), OTHERS)
+    test = scene.name.rpartition("-")[2].upper()
+    name = {"MASH": level, OTHERS: scene.name}.get(group, f"{test}, {level}")
+    return group, f"{name}: {case.subject}"
 
 
 def _compared(case: ImpactCase) -> tuple[str, float] | None:
@@ -334,6 +371,7 @@ def _quantity(case: ImpactCase, key: str, column: int, texts: _Numbered[str]) ->
     table, *_, name = key.split(".")
     return {
         "key": key,
+        "note": "of the paper's method alone" if key in model.PAPER else "",
         "column": column,
         "value": value,
         "unit": quantity.unit,

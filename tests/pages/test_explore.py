@@ -2,6 +2,7 @@
 
 import gzip
 import importlib.util
+import itertools
 import json
 import re
 from pathlib import Path
@@ -16,7 +17,7 @@ from machine_code import web_assembly
 from postprocess.signals.filters import LABELS, LOW_PASSES
 from postprocess.units import MPH, SYSTEMS
 from tailslap import cli
-from tailslap.browser import page
+from tailslap.browser import packaged, page
 from tailslap.case.corner.corner_run import attempt
 from tailslap.case.of_arguments import case_of_scene
 from tailslap.errors import InputError
@@ -44,7 +45,7 @@ def wall(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def text(wall):
-    return page.page_of([TRUCK, TRAIN, TIPPING, wall, PLATE])
+    return page.page_of([TRUCK, TRAIN, TIPPING, "impact-en-tb11", wall, PLATE])
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +64,7 @@ def browser():
 def test_the_command_writes_and_opens_one_file(tmp_path, monkeypatch, capsys, text):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(page, "page_of", lambda names: f"{text}{next(iter(names))}")
+    monkeypatch.setattr(packaged, "PATH", tmp_path / "none.html")
     launched = list[str]()
     monkeypatch.setattr(click, "launch", launched.append)
     assert cli._status(["explore"]) == 0
@@ -75,6 +77,22 @@ def test_the_command_writes_and_opens_one_file(tmp_path, monkeypatch, capsys, te
     assert cli._status(["explore", "--headless", "--out", "notes.html"]) == 2
     assert "notes.html" in capsys.readouterr().err
     assert Path("notes.html").read_text() == "mine"
+
+
+def test_the_page_of_an_installation_is_taken_if_it_is_of_its_sources(tmp_path, monkeypatch, capsys):
+    """One of other sources is made again, and said to be."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(packaged, "PATH", tmp_path / "packaged.html")
+    numbers = itertools.count(1)
+    monkeypatch.setattr(page, "page_of", lambda names: f"{page.MARK} page {next(numbers)}")
+    page.make_packaged()
+    page.make_packaged()
+    assert cli._status(["explore", "--headless"]) == 0
+    assert Path("explore.html").read_text().startswith(f"{page.MARK} page 1")
+    (tmp_path / "packaged.html").write_text("<!-- sources 0 -->\n")
+    assert cli._status(["explore", "--headless"]) == 0
+    assert page.STALE in capsys.readouterr().err
+    assert Path("explore.html").read_text() == f"{page.MARK} page 2"
 
 
 @pytest.mark.parametrize(("scene", "words"), [
@@ -142,6 +160,23 @@ def test_a_link_has_the_answer_of_the_command(browser, file, scene, changes, uni
     assert (settled(tab), tab.inner_text("#band")) == texts(scene, changes | of_page, units)
     assert tab.errors == []
     assert len(tab.requests) == 1
+
+
+@in_chromium
+def test_one_choice_sets_vehicle_speed_angle_and_mass(browser, file):
+    """Scenes stand in groups, with the test level."""
+    tab = opened(browser, file)
+    assert [group.get_attribute("label") for group in tab.query_selector_all("#scene optgroup")] == [
+        "MASH", "EN 1317-2, not confirmed", "By the command"
+    ]  # fmt: skip
+    tab.select_option("#scene", label="TB11, N2: 900 kg vehicle at 100 km/h, 20 deg")
+    shown = {
+        key: tab.input_value(f'[data-key="{key}"] input[type=number]')
+        for key in ("vehicle.mass", "impact.speed", "impact.angle")
+    }
+    assert shown == {"vehicle.mass": "900", "impact.speed": "100", "impact.angle": "20"}
+    tab.select_option("#scene", label=WALL)
+    assert f"`tailslap run {WALL}`" in tab.inner_text("#note")
 
 
 @in_chromium
