@@ -46,7 +46,8 @@ from solver.space import (
     solve_space,
 )
 from solver.space.accuracy import COMPARED
-from solver.space.motion import INTERVAL, PHASE, TOLERANCE
+from solver.space.accuracy import TOLERANCE
+from solver.space.motion import INTERVAL, PHASE
 from solver.space.solve import OUTCOMES, steps_of
 from solver.space.vehicle import fleet_of
 

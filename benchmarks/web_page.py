@@ -36,6 +36,7 @@ ANSWER = """([name, changes, stride]) => {
   clearTimeout(timer);
   chosen.values = new Map(changes);
   for (const quantity of scene().quantities) machine.array("motion.values")[quantity.column] = value(quantity);
+  drawBand("band.ranges.drawn");
   const answer = machine.solve(), width = scene().arrays["motion.motion.values"][2][1], rows = [];
   const values = machine.array("motion.motion.values");
   for (let k = 0; k < answer[3]; k += stride) rows.push([...values.subarray(k * width, (k + 1) * width)]);
@@ -48,7 +49,7 @@ TIMES = """([name, count]) => {
   open(data.scenes.findIndex((one) => one.name === name));
   clearTimeout(timer);
   if (!scene().rows.length) drawBand();
-  const kernels = scene().rows.length ? ["space"] : ["motion", "band"];
+  const kernels = scene().rows.length ? ["space", "space_one"] : ["motion", "band"];
   return kernels.map((kernel) => Math.min(...Array.from({ length: count }, () => {
     const start = performance.now();
     machine.call(kernel);
@@ -114,7 +115,7 @@ def time_both(tab: Any, name: str) -> None:
     """Print the shortest times of motion and band on both sides [ms]."""
     case: Any = case_of_scene(name, None)
     built: Any = (space_model if case.scene.body else model).model_of(case)
-    here, names = [], ["space"] if case.scene.body else ["motion", "band"]
+    here, names = [], ["space", "space_one"] if case.scene.body else ["motion", "band"]
     for kernel, arguments in (built.calls[one] for one in names):
         spent = []
         for _ in range(15):

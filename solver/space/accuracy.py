@@ -1,4 +1,4 @@
-"""Compiled choice of the steps and points of one motion in space, and its error.
+"""Choose steps and points of one motion in space, compiled.
 
 Steps and points of the strips are halved apart from each other. As the change by half of either may be small by
 chance, a further motion has other steps and points than halves. The largest 50 ms mean may belong to another strike for
@@ -99,7 +99,7 @@ def room_for(fleet: col.Fleet, rows: int, interval: float) -> Motions:
 
 @compact
 def advance(fleet, clock, work, motions, choice, answers, rolls, scan, lowest):
-    """Solve one motion with its error, many motions, or search for the lowest wall.
+    """Solve one motion with its error, many, or lowest walls.
 
     motions: those of one vehicle, or without rows. answers, shape (n, columns); rolls, shape (n, units): largest of
     each unit [rad]. lowest: empty, or of shape (n, 2) with the first wall of a search, which becomes the lowest wall

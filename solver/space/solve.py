@@ -229,7 +229,7 @@ def call(
     scan: float = 0.0,
     lowest: Array = NOTHING,
 ) -> None:
-    """Call `accuracy.advance`; what is absent is not solved."""
+    """Call `accuracy.advance` without what is absent."""
     most = max(choice.finer, 2.0 * accuracy.MOST_POINTS if choice.is_chosen else 1.0)
     work = workspace_of(with_points(fleet, most), clock)
     motions = motions or accuracy.room_for(fleet, 0, clock.interval)

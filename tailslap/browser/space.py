@@ -178,7 +178,7 @@ def solve_block(nominal, values, parts, ranges, classes, room, forces, outcomes,
 
 @compact
 def solve_wall(values, parts, room, place, walls, lowest):
-    """Solve the motion on a further wall, and at last the lowest one.
+    """Solve the motion on a further wall, last the lowest.
 
     place, shape (1,): its number; walls, (n, 6): height, outcome, largest roll, mean, its height and largest moment;
     lowest, (2,): see `step.lowest_wall`. Returns the reason why there is no motion.
@@ -276,7 +276,7 @@ def prepare(values, nominal, parts, room, i, is_varied):
 
 @compiled
 def scale(values, nominal, parts, i):
-    """Set the inertias of a sample that do not vary, by its mass."""
+    """Set the inertias of a sample by its mass."""
     for u in range(parts.units.shape[0]):
         unit = parts.units[u]
         part = values[unit[columns.MASS], i] / nominal[unit[columns.MASS], 0]

@@ -1,4 +1,6 @@
-"""Verify the kernels of a page in space against the functions of the command."""
+"""Verify kernels of a page in space against the command."""
+
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +21,7 @@ CHANGES = {"impact.speed": 28.0, "vehicle.mass": 11000.0, "wall.height": 0.8, "c
 
 def called(case, name, changes=None):
     """Return result and arguments of a kernel with changed quantities."""
-    built = space_model.model_of(case)
+    built: Any = space_model.model_of(case)
     kernel, arguments = built.calls[name]
     for key, value in (changes or {}).items():
         arguments[0][built.quantities.index(key), 0] = value
@@ -44,7 +46,7 @@ def test_a_motion_is_that_of_the_changed_scene(scene, changes):
 
 @pytest.mark.parametrize("changes", [{}, {"wall.height": 0.64}])
 def test_a_refined_motion_has_the_errors_of_the_command(changes):
-    """The second wall is near the lowest one: the outcome is undecided."""
+    """On a wall near the lowest one it is undecided."""
     case = case_of_scene(TRUCK, None)
     (reason, _, count), (_, _, room, motions, _, curves), _ = called(case, "space_one", changes)
     motion = solve_space(*space_input(case_of_scene(TRUCK, changes).scene).arguments)
@@ -60,7 +62,7 @@ def test_a_refined_motion_has_the_errors_of_the_command(changes):
 
 
 def test_a_band_is_that_of_the_command():
-    """Of a train whose band is not calibrated; blocks follow one another."""
+    """Blocks of an uncalibrated train follow one another."""
     case = case_of_scene(TRAIN, None)
     _, arguments, kernel = called(case, "space_band")
     place, forces, outcomes, percentiles = (arguments[k] for k in (8, 6, 7, 9))
@@ -73,7 +75,7 @@ def test_a_band_is_that_of_the_command():
 
 
 def test_the_sweep_of_walls_has_the_wall_of_the_scene_between():
-    """Motions on both walls about it have forces about that of the scene."""
+    """On both walls about it forces are near the scene's."""
     case = case_of_scene(TRUCK, None)
     _, arguments, kernel = called(case, "space_wall")
     walls, lowest = arguments[4], arguments[5]

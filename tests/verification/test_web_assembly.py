@@ -95,8 +95,9 @@ def test_a_planar_impact(monkeypatch):
     "scene", ["impact-tipping-tl4-sut", "impact-97-kip-tractor-van", "impact-parapet-tl4-sut"]
 )
 def test_a_motion_in_space(scene):
-    """Rows and walls are those of this machine, within 1e-9 of the largest value of each column."""
-    calls = space_model.model_of(case_of_scene(scene, None)).calls
+    """Rows and walls are those of this machine, within 1e-9."""
+    case: Any = case_of_scene(scene, None)
+    calls: Any = space_model.model_of(case).calls
     module, (_, _, room, curves), walls = Module(calls), calls["space"][1], calls["space_wall"][1][4]
     _, _, count = calls["space"][0](*calls["space"][1])
     assert module.call("space", 3).view(np.int64).tolist() == [0, 0, count]
