@@ -45,8 +45,7 @@ from solver.space import (
     lowest_walls,
     solve_space,
 )
-from solver.space.accuracy import COMPARED
-from solver.space.accuracy import TOLERANCE
+from solver.space.accuracy import COMPARED, TOLERANCE
 from solver.space.motion import INTERVAL, PHASE
 from solver.space.solve import OUTCOMES, steps_of
 from solver.space.vehicle import fleet_of
