@@ -125,7 +125,7 @@ function wallsInSpace() {
   const rows = Array.from({ length: count }, (_, k) => walls.subarray(6 * k, 6 * k + 6)), [lowest, almost] = machine.array("space_wall.lowest");
   at("lowest").textContent = (Number.isNaN(lowest) ? "No wall up to the highest centre of mass keeps this vehicle upright."
     : `Lowest wall that keeps this vehicle upright, by a search from above: ${measure(lowest, "m", 3)}.`)
-    + (almost ? ` It almost tips on a wall of ${measure(almost, "m", 3)}.` : "") + " Walls have the fixed steps; `tailslap rigid` states the error.";
+    + (almost ? ` It almost tips on a wall of ${measure(almost, "m", 3)}.` : "") + " Walls have the fixed steps; tailslap rigid states their error.";
   drawWalls(rows, lowest);
   const [f, m] = [shown("N")[0], shown("m")[0]], head = [`Wall [${shown("m")[1]}]`, "Outcome", "roll [deg]", `50 ms mean [${shown("N")[1]}]`, `its height [${shown("m")[1]}]`,
     `moment [${shown("N")[1]} ${shown("m")[1]}]`];
