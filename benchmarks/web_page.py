@@ -40,7 +40,7 @@ ANSWER = """([name, changes, stride]) => {
   const answer = machine.solve(), width = scene().arrays["motion.motion.values"][2][1], rows = [];
   const values = machine.array("motion.motion.values");
   for (let k = 0; k < answer[3]; k += stride) rows.push([...values.subarray(k * width, (k + 1) * width)]);
-  drawBand();
+  drawBand("band.ranges.drawn");
   const band = machine.call("band");
   return [answer, rows, band, [...machine.array("band.percentiles")]];
 }"""
@@ -48,7 +48,7 @@ ANSWER = """([name, changes, stride]) => {
 TIMES = """([name, count]) => {
   open(data.scenes.findIndex((one) => one.name === name));
   clearTimeout(timer);
-  if (!scene().rows.length) drawBand();
+  if (!scene().rows.length) drawBand("band.ranges.drawn");
   const kernels = scene().rows.length ? ["space", "space_one"] : ["motion", "band"];
   return kernels.map((kernel) => Math.min(...Array.from({ length: count }, () => {
     const start = performance.now();
