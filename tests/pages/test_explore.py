@@ -5,7 +5,11 @@ import importlib.util
 import itertools
 import json
 import re
+import runpy
+import subprocess
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import click
@@ -93,6 +97,25 @@ def test_the_page_of_an_installation_is_taken_if_it_is_of_its_sources(tmp_path, 
     assert cli._status(["explore", "--headless"]) == 0
     assert page.STALE in capsys.readouterr().err
     assert Path("explore.html").read_text() == f"{page.MARK} page 2"
+
+
+@pytest.mark.parametrize("is_current", [True, False])
+def test_a_wheel_has_the_page_of_its_sources(is_current, monkeypatch):
+    """Without it the build says so, and an editable one has none."""
+    interface = "hatchling.builders.hooks.plugin.interface"
+    base = type(
+        "BuildHookInterface", (), {"__class_getitem__": classmethod(lambda cls, item: cls), "root": "."}
+    )
+    monkeypatch.setitem(sys.modules, interface, SimpleNamespace(BuildHookInterface=base))
+    hook = runpy.run_path(str(Path(__file__).parents[2] / "hatch_build.py"))["PageHook"]()
+    warnings, data = list[str](), {"artifacts": list[str]()}
+    hook.app = SimpleNamespace(display_warning=warnings.append)
+    monkeypatch.setattr(runpy, "run_path", lambda path: {"is_current": lambda: is_current})
+    monkeypatch.setattr(subprocess, "run", lambda command, **options: None)
+    hook.initialize("editable", data)
+    assert not data["artifacts"]
+    hook.initialize("standard", data)
+    assert (len(data["artifacts"]), len(warnings)) == ((1, 0) if is_current else (0, 1))
 
 
 @pytest.mark.parametrize(("scene", "words"), [
