@@ -203,7 +203,7 @@ function decision(kernel, between) {
     return `${name}, ${origin.includes("assumed") ? "assumed " : ""}${range} (${(100 * fractions[r]).toFixed(0)} %)`;
   });
   const parts = inputs.length ? [`decided most by ${inputs.join(", and ")} of the variance`] : [];
-  if (growth) parts.push(`${between} it grows ${digits(growth, 2)} times`);
+  if (growth) parts.push(`${between} the force grows ${digits(growth, 2)} times`);
   const text = parts.join("; ").replace(") of the variance", " of the variance)");
   return text ? `${text[0].toUpperCase()}${text.slice(1)}. ` : "";
 }

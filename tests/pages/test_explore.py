@@ -190,7 +190,7 @@ def test_one_choice_sets_vehicle_speed_angle_and_mass(browser, file):
     """Scenes stand in groups, with the test level."""
     tab = opened(browser, file)
     assert [group.get_attribute("label") for group in tab.query_selector_all("#scene optgroup")] == [
-        "MASH", "EN 1317-2, not confirmed", "By the command"
+        "MASH", "Other impacts", "EN 1317-2, not confirmed", "By the command"
     ]  # fmt: skip
     tab.select_option("#scene", label="TB11, N2: 900 kg vehicle at 100 km/h, 20 deg")
     shown = {
