@@ -40,7 +40,6 @@ ANSWER = """([name, changes, stride]) => {
   const answer = machine.solve(), width = scene().arrays["motion.motion.values"][2][1], rows = [];
   const values = machine.array("motion.motion.values");
   for (let k = 0; k < answer[3]; k += stride) rows.push([...values.subarray(k * width, (k + 1) * width)]);
-  drawBand("band.ranges.drawn");
   const band = machine.call("band");
   return [answer, rows, band, [...machine.array("band.percentiles")]];
 }"""
