@@ -633,7 +633,7 @@ def test_an_unsure_impact_fails():
 def test_a_third_mesh_is_run_where_two_leave_hope(monkeypatch):
     """A third mesh is omitted where the elements are far too few."""
     counts = []
-    monkeypatch.setattr(error, "finer", lambda plate: counts.append(plate.counts))
+    monkeypatch.setattr(error, "finer", lambda plate, *_: counts.append(plate.counts))
     unsure = planned(*PICKUP, *LINEAR_PICKUP, "verify.mesh=0.01", scene="impact-mash-tl2-pickup").run()
     assert (counts, unsure.passed) == ([(12, 4)], False)
     hopeless = planned("plate.elements=[4,2]", "plate.youngs_modulus=2e9").run()

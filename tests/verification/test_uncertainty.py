@@ -705,13 +705,6 @@ def test_ranges_that_make_no_impact_are_refused(tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-def test_the_study_of_strikes_says_where_it_went(capsys):
-    assert cli._status(["study", "strike", IMPACT]) == 2
-    message = capsys.readouterr().err
-    for study in ("uncertainty", "flexibility"):
-        assert f"study {study}" in message
-
-
 def test_page_files_and_terminal_of_a_whole_impact(impacts, tmp_path):
     study_report = report(impacts)
     write_report(study_report, tmp_path)
