@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import inspect
 import json
-import statistics
 import subprocess
 import sys
 import time
@@ -65,16 +64,20 @@ def plane() -> Iterator[Job]:
             between = partial(np.random.default_rng(3).uniform, size=samples)
             law = {"stiffness": between(0.8e6, 3e6) * vehicle["mass"] / 1e4, "restitution": between(0.1, 0.4)}
             friction = between(0.1, 0.5)
-            units = {"trailers": (trailer,)} if name.startswith("tractor") else {}
+            trailers: tuple[dict[str, Any], ...] = (trailer,) if name.startswith("tractor") else ()
             if "stiffness" in inspect.signature(solve_impacts).parameters:  # before [[strip]]
                 contact: dict[str, Any] = {**law, "friction": friction}
-                units = {"trailers": tuple(unit | law for unit in units.get("trailers", ()))}
+                trailers = tuple(unit | law for unit in trailers)
             else:
                 from solver.impact import CrushLaw, WallContact
 
                 contact = {"contact": WallContact(CrushLaw(**law), friction)}
-            motion = {"speed": between(15.0, 30.0), "angle": between(0.2, 0.4)}
-            yield f"{name}, {samples}", samples, partial(solve_impacts, **vehicle, **motion, **contact, **units)
+            motion: dict[str, Any] = {
+                "speed": between(15.0, 30.0),
+                "angle": between(0.2, 0.4),
+                "trailers": trailers,
+            }
+            yield f"{name}, {samples}", samples, partial(solve_impacts, **vehicle, **motion, **contact)
 
 
 def space() -> Iterator[Job]:

@@ -59,9 +59,11 @@ def _plateau_excess(
         return above, 0.5 * above * above / stiffness if above > 0.0 else 0.0
 
     def rising(plateau: float, hardening: float, force: float, stiffness: float) -> tuple[float, float]:
-        above = max(force - plateau, 0.0)
+        above = force - plateau
+        if above <= 0.0:
+            return 0.0, 0.0
         excess = above * (1.0 - hardening / stiffness)
-        return excess, 0.5 * above * excess / stiffness if above > 0.0 else 0.0
+        return excess, 0.5 * above * excess / stiffness
 
     if isinstance(plateau, Nothing):
         return none
@@ -84,7 +86,7 @@ def _receded(hardening: object, compliance: object, excess: object) -> Callable[
         return compliance * excess
 
     def rising(hardening: float, compliance: float, excess: float) -> float:
-        return compliance * excess / (1.0 + compliance * hardening)
+        return compliance * excess / (1.0 + compliance * hardening) if excess > 0.0 else 0.0
 
     return level if isinstance(hardening, Nothing) else rising
 
@@ -173,6 +175,15 @@ def crush_force(crush, deepest, beyond, compliance, depth):
     if depth > deepest:
         return loading_force(crush, depth)
     peak, _, length, _ = crush_line(crush, deepest)
+    return line_force(peak, length, beyond, compliance)
+
+
+@compiled
+def line_force(peak, length, beyond, compliance):
+    """Return the normal force [N] on the line of unloading.
+
+    peak, length: of the line; beyond: as of `crush_force`.
+    """
     return peak * max(length + beyond, 0.0) / (length + compliance * peak) if peak > 0.0 else 0.0
 
 

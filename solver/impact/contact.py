@@ -6,8 +6,8 @@ The law of a point, and the forces of all points in a step by Gauss-Seidel; see 
 from fem.laws.contact_forces import (
     PointCrush,
     coulomb_force,
-    crush_force,
     crush_line,
+    line_force,
     loading_depth,
     loading_force,
 )
@@ -76,9 +76,9 @@ def _solve_point(point, effect, v, j, w, kick, h):
     Returns True without a change. j: its unit's first velocity; w: angular velocity.
     """
     x, y = point[col.X], point[col.Y]
-    inertia = 1.0 / (kick * h * (effect[1, j + 1] + x * effect[1, j + 2]))
+    mobility = kick * h * (effect[1, j + 1] + x * effect[1, j + 2])
     ahead = point[col.DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
-    normal = _normal_force(point, ahead + point[col.NORMAL] / inertia, inertia)
+    normal = _normal_force(point, ahead + point[col.NORMAL] * mobility, mobility)
     normal_change = normal - point[col.NORMAL]
     _push(0.0, kick * normal_change, effect, v)
     slip = v[j] - v[j + 2] * y - 0.5 * h * w * w * x
@@ -102,26 +102,27 @@ def crush_of(point):
 
 
 @compiled
-def unloading_length(point):
-    """Return the length of the unloading line [m]."""
-    _, _, length, _ = crush_line(crush_of(point), point[col.DEEPEST])
-    return length
+def set_line(point):
+    """Set the line of unloading from the deepest point."""
+    point[col.PEAK], _, point[col.LINE], _ = crush_line(crush_of(point), point[col.DEEPEST])
 
 
 @compiled
-def _normal_force(point, free, inertia):
+def _normal_force(point, free, mobility):
     """Return the normal force of a point.
 
-    The step ends at the depth `free` from the deepest without it, and N/inertia less with it.
+    The step ends at the depth `free` from the deepest without it, and mobility N less with it.
     """
     crush, deepest, part = crush_of(point), point[col.DEEPEST], point[col.PART]
-    compliance, beyond = 0.5 / inertia, 0.5 * (point[col.EARLIER] + free)
+    compliance, beyond = 0.5 * mobility, 0.5 * (point[col.EARLIER] + free)
     depth = loading_depth(crush, deepest + beyond, compliance, part)
-    if unloading_length(point) <= 0.0:
+    if point[col.LINE] <= 0.0:
         most = part * loading_force(crush, max(depth, deepest))
-        stopping = inertia * (free - max(point[col.DEPTH], 0.0))
+        stopping = (free - max(point[col.DEPTH], 0.0)) / mobility
         return min(stopping, most) if stopping > AT_REST * most else 0.0
-    return crush_force(crush, deepest, beyond, compliance, depth)
+    if depth > deepest:
+        return loading_force(crush, depth)
+    return line_force(point[col.PEAK], point[col.LINE], beyond, compliance)
 
 
 @compiled
@@ -131,7 +132,7 @@ def _part(point, ahead):
     The step is from half a step ago to half a step ahead. It applies to a force that begins suddenly.
     """
     closing = ahead - point[col.DEPTH]
-    if unloading_length(point) > 0.0 or closing <= 0.0:
+    if point[col.LINE] > 0.0 or closing <= 0.0:
         return 1.0
     return min(max(0.5 + point[col.DEPTH] / closing, 0.0), 1.0)
 

@@ -6,10 +6,9 @@ awaited.
 
 import numpy as np
 
-from fem.laws.contact_forces import crush_line
 from machine_code.compiled import compiled
 from solver.impact import state as col
-from solver.impact.contact import crush_of, mean_speeds
+from solver.impact.contact import mean_speeds
 
 SHORTEST = 1e-3
 """Shortest separation that ends a strike [s]."""
@@ -89,7 +88,7 @@ def _pressed_during(point, last, h, t):
 
     They follow from its speed; the start applies to a new contact.
     """
-    peak, _, length, _ = crush_line(crush_of(point), point[col.DEEPEST])
+    peak, length = point[col.PEAK], point[col.LINE]
     rate = (point[col.AHEAD] - point[col.EARLIER]) / (0.5 * last + 1.5 * h)
     beyond = point[col.DEPTH] + min(length, point[col.DEEPEST])
     first, until = t, t + h

@@ -29,12 +29,12 @@ SUMS = ("force_normal", "force_tangential", "crush_energy_stored", "crush_energy
 follow for each the wall's impulses on it, normal and tangential [N s]."""
 
 ALONG, ACROSS, STIFFNESS, INITIAL, PLATEAU, RESTITUTION, UNLOADING, FRICTION, X, Y = range(10)
-DEPTH, EARLIER, AHEAD, DEEPEST, NORMAL, TANGENTIAL, PART, RATE, FOOT, HARDENING = range(10, 20)
+DEPTH, EARLIER, AHEAD, DEEPEST, NORMAL, TANGENTIAL, PART, RATE, FOOT, HARDENING, PEAK, LINE = range(10, 22)
 """Columns of points: as in `Train`; arm about the centre of mass; depth now, a step before and a step ahead, from the
 deepest mean so far, and that itself [m]; forces [N]; part of the step in which the force acts; for trains the rate of
-the depth [m/s] and the depth at which the line of unloading ends, from the deepest [m]; hardening as in `Train`. A line
-of unloading may be shorter than a micrometre: depths add up the motion of each step, and are no differences of
-coordinates, whose rounding would change the force."""
+the depth [m/s] and the depth at which the line of unloading ends, from the deepest [m]; hardening as in `Train`; force
+[N] at the deepest point, and length [m] of the line of unloading from there. The line may be shorter than a micrometre:
+depths add up the motion of each step, and are no differences of coordinates, whose rounding would change the force."""
 
 SLOT, FIRST, LAST, FORCE, BEFORE, STAMP, WHOLE, AFTER = range(8)
 """Columns of groups: number of the latest strike, its start and end so far [s]; forces of this step and the one
@@ -78,7 +78,7 @@ def workspace(units: int, hinges: int, points: int, groups: int) -> Work:
     """Return a workspace for one sample."""
     size = 3 * units
     return Work(
-        np.zeros((points, 20)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
+        np.zeros((points, 22)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
         np.zeros(size), np.zeros((units, 4)), np.zeros((hinges, 2)), np.zeros((2 * hinges, 2 * size + 1)),
         np.zeros(units), np.zeros((points, 2, size)), np.zeros((groups, 8)), np.zeros(points, dtype=np.int64),
         np.zeros(columns(units) - 6 * units - 4),

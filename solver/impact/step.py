@@ -19,7 +19,7 @@ import numpy as np
 from fem.laws.contact_forces import crush_line
 from machine_code.compiled import compiled, inlined
 from solver.impact import state as col
-from solver.impact.contact import crush_of, deepening, mean_speeds, press, unloading_length
+from solver.impact.contact import crush_of, deepening, mean_speeds, press, set_line
 from solver.impact.counting import count_strikes, end_of_motion, mark_cut
 from solver.impact.tyres import end_tyre_step, record_tyres, start_tyres, steer
 
@@ -32,6 +32,9 @@ ROUNDED = 1e-9
 LOADING, UPRIGHT = 2.0, 0.25
 """Phase of a step on loading over that on a line of unloading; the second where the line is vertical and force
 jumps."""
+
+SINE, VERSINE = (1 / 6, 1 / 20, 1 / 42), (1 / 12, 1 / 30, 1 / 56)
+"""Ratios of the coefficients of their series, as factors: a division takes the time of four products."""
 
 
 @compiled
@@ -58,6 +61,7 @@ def begin(train, i, state, work):
         )
         points[p, col.RESTITUTION], points[p, col.FRICTION] = train.restitution[p, i], train.friction[p, i]
         points[p, col.HARDENING] = train.hardening[p, i]
+        set_line(points[p])
         reach[u] = max(reach[u], np.hypot(train.along[p, i], train.across[p, i]))
 
 
@@ -174,10 +178,10 @@ def _parts_of_step(points, clock, i, part, parts_taken, last):
             points[p, col.FOOT] = 0.0
         elif rate > 0.0 and depth >= -ROUNDED:
             if slowing > 0.0:
-                least = floor * phase * np.sqrt(unloading_length(points[p]) / slowing) if floor > 0.0 else 0.0
+                least = floor * phase * np.sqrt(points[p, col.LINE] / slowing) if floor > 0.0 else 0.0
                 shortest = min(shortest, max(near * rate / slowing, least))
         else:
-            length = unloading_length(points[p])
+            length = points[p, col.LINE]
             points[p, col.FOOT] = -length
             speed = max(abs(rate), 1e-300)
             end = -depth if rate > 0.0 else depth - points[p, col.FOOT]
@@ -217,8 +221,9 @@ def _place(points, point_owner, motion, headings, h, start):
             heading[0], heading[1] = np.cos(motion[0, 3 * u + 2]), np.sin(motion[0, 3 * u + 2])
             continue
         square, c, s = turn * turn, heading[0], heading[1]
-        sine = turn * (1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0)))
-        versine = 0.5 * square * (1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0)))
+        sine = turn * (1.0 - square * SINE[0] * (1.0 - square * SINE[1] * (1.0 - square * SINE[2])))
+        versine = 1.0 - square * VERSINE[0] * (1.0 - square * VERSINE[1] * (1.0 - square * VERSINE[2]))
+        versine *= 0.5 * square
         heading[0] += s * sine - c * versine
         heading[1] -= c * sine + s * versine
         heading[2], heading[3] = sine, versine
@@ -358,8 +363,10 @@ def _move(points, motion, active, h):
     """Advance points and units to the end of the step."""
     for p in active:
         beyond = deepening(points[p])
-        points[p, col.DEEPEST] += beyond
-        points[p, col.DEPTH] -= beyond
-        points[p, col.FOOT] -= beyond
+        if beyond > 0.0:
+            points[p, col.DEEPEST] += beyond
+            points[p, col.DEPTH] -= beyond
+            points[p, col.FOOT] -= beyond
+            set_line(points[p])
     for m in range(motion.shape[1]):
         motion[0, m] += (-h if m % 3 == 2 else h) * motion[2, m]
