@@ -52,7 +52,8 @@ class Section:
     """Part of a page with figures, tables, sentences.
 
     Empty parts are not shown. layout: "half" sections stand side by side; figures stand "narrow", three or four in a
-    row, "wide", two, or "tall", one below the other. is_folded: shown on request.
+    row, "wide", two, or "tall", one below the other. is_folded: shown on request; is_of_band: linked by its lead behind
+    the origin of the result's interval.
     """
 
     title: str
@@ -62,6 +63,7 @@ class Section:
     sentences: Sequence[str] = ()
     layout: str = ""
     is_folded: bool = False
+    is_of_band: bool = False
 
     @property
     def is_empty(self) -> bool:

@@ -374,7 +374,7 @@ all(document, "main").forEach((main) => resized.observe(main));
 document.querySelector(".units").addEventListener("change", () => charts.forEach(({ renew }) => renew()));
 
 const unfold = (id) => document.getElementById(id)?.querySelectorAll("details").forEach((part) => (part.open = true));
-document.querySelectorAll("nav a").forEach((link) => link.addEventListener("click", () => unfold(link.hash.slice(1))));
+document.querySelectorAll("header a").forEach((link) => link.addEventListener("click", () => unfold(link.hash.slice(1))));
 unfold(location.hash.slice(1));
 /* Charts are as wide as on paper before it is laid out, as nothing is drawn meanwhile. */
 addEventListener("beforeprint", () => {

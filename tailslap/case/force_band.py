@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -87,11 +88,14 @@ class Calibration:
         if self.factor is None:
             ends = dict.fromkeys(f"{ratio:.1f}" for ratio in (self.least, self.most))
             ratios = f"{' to '.join(ends)} in {self.rows} row{'s' if self.rows > 1 else ''}"
-            return f"inputs alone, not calibrated; published over predicted {ratios} of {self.name}"
+            return (
+                f"inputs alone, not calibrated; published over predicted {ratios} of {self.name} "
+                "(`tailslap validate`)"
+            )
         return (
-            f"calibrated by {self.name}: the logarithms of the band of the inputs times {self.factor:.2f}; of studies "
-            f"left out one by one, {self.rows_held} of {self.rows} values and all values of {self.studies_held} of "
-            f"{self.studies} studies lie in the band of the others"
+            f"calibrated by {self.name} (`tailslap validate`): the logarithms of the band of the inputs times "
+            f"{self.factor:.2f}; of studies left out one by one, {self.rows_held} of {self.rows} values and all values "
+            f"of {self.studies_held} of {self.studies} studies lie in the band of the others"
         )
 
 
@@ -129,6 +133,8 @@ class ForceBand:
         Force at the higher over that at the lower one, geometric mean of the same vehicles; 0 if unknown [-].
     calibration : Calibration or None
         Published values of this class of vehicles, None without any.
+    published : sequence of dict
+        These values beside their predictions, as `tailslap validate` has them.
     """
 
     percentiles: tuple[float, ...] = ()
@@ -145,6 +151,7 @@ class ForceBand:
     speeds: tuple[str, ...] = ()
     growth: float = 0.0
     calibration: Calibration | None = None
+    published: Sequence[Mapping[str, Any]] = field(default=(), repr=False)
 
     def calibrated(self, forces: Sequence[float]) -> tuple[float, ...]:
         """Return forces [N] with the calibrated distance from the median.
@@ -230,7 +237,7 @@ class ForceBand:
         further = {
             name: value
             for name, value in vars(self).items()
-            if name not in ("percentiles", "forces", "decisive")
+            if name not in ("percentiles", "forces", "decisive", "published")
         }
         ends = dict(zip(("lower", "median", "upper"), self.limits, strict=False))
         of = {"calibration": self.calibration and vars(self.calibration)}

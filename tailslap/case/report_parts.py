@@ -14,6 +14,7 @@ from postprocess.signals.design_forces import BY_ACCELERATION, LRFD, DesignForce
 from postprocess.units import milliseconds, percent_up
 from tailslap.case.case import Case
 from tailslap.case.check import Check, printed_check
+from tailslap.case.force_band import PERCENTILES, ForceBand, central_part
 from tailslap.case.impact.answers import WEIGHT
 from tailslap.errors import typed_command
 from tailslap.scene.schema import Scene
@@ -57,6 +58,28 @@ TAIL_SLAP = (
 )
 """Columns of the rows of `comparison_rows`."""
 
+CALIBRATION = (
+    Column("name", "Class"),
+    *columns({"rows": "Values", "studies": "Studies"}, form="d"),
+    *columns({"least": "Published over predicted, from", "most": "to", "factor": "Factor"}, form=".2f"),
+    *columns({"rows_held": "Left-out values held", "studies_held": "Studies held"}, form="d"),
+)
+CALIBRATED = (
+    f"Factor: on the logarithms of the band of the inputs, by split conformal prediction for {central_part()}, "
+    "from nine values on. Left-out: each study in turn, by the factor of the others, or their largest score where they "
+    "are fewer than nine; a study is held with all of its values. The 80 kip of TL-4 count twice, in the plane and in "
+    "space.",
+)
+PUBLISHED = (
+    Column("case", "Case", below=Column("source", "Source")),
+    *columns({"label": "Quantity", "kind": "Compared"}),
+    Column("space", "Motion", form=lambda space: "in space" if space else "in the plane"),
+    Column("published", "Published", "N", form=".0f", style="strong"),
+    Column("predicted", "Predicted", "N", form=".0f"),
+    *columns({"lower": f"{PERCENTILES[0]:g} %", "upper": f"{PERCENTILES[-1]:g} %"}, "N", form=".0f"),
+    Column("ratio", "Predicted over published", form=".2f"),
+    Column("inside", "In the band", form=lambda inside: "yes" if inside else "no"),
+)
 STRIKES = (
     *columns({"title": "Strike", "model": "Model"}),
     *columns({"start": "Start", "duration": "Duration"}, unit="ms", form=milliseconds),
@@ -183,6 +206,18 @@ def design_table(
             row = {"name": f"Inertial estimate{place}", "force": case.inertial["mean_50ms"]}
             rows.append(dict.fromkeys(computed) | row)
     return Table(DESIGN, [*rows, *loads] if loads or in_space else [], notes=tuple(notes))
+
+
+def published_section(band: ForceBand) -> Section:
+    """Return the published values of a band's class, empty without any."""
+    rows, of = band.published, band.calibration
+    if not rows or not of:
+        return Section("")
+    inside = sum(row["inside"] for row in rows)
+    lead = f"{inside} of {of.rows} published values of this class lie in the {central_part()} band of the inputs."
+    lead += "" if of.factor else " They are too few for a calibrated band."
+    tables = [Table(PUBLISHED, rows), Table(CALIBRATION, [of], notes=CALIBRATED)]
+    return Section("Published values of this class", lead, tables=tables, is_folded=True, is_of_band=True)
 
 
 def strikes_table(strikes: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:

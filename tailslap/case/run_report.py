@@ -25,7 +25,13 @@ from postprocess.units import SI, Units, duration, number
 from tailslap.case import resources
 from tailslap.case.case import NO_BAND, FePlan, Outcome
 from tailslap.case.force_band import ForceBand
-from tailslap.case.report_parts import design_ratios, failed_section, footer, passed_text
+from tailslap.case.report_parts import (
+    design_ratios,
+    failed_section,
+    footer,
+    passed_text,
+    published_section,
+)
 from tailslap.case.run_fields import field_series
 from tailslap.scene import write
 
@@ -192,6 +198,7 @@ class FeReport(ABC):
             failed_section(outcome.checks, [*chosen_sentences(fe_plan), *self.causes]),
             Section("Set-up", figures=[case.drawing()]),
             *self.sections,
+            published_section(self.band),
             Section("Cost", tables=[pairs(cost)], is_folded=True),
             Section("Omitted parts", "" if parts else "None.", tables=[omitted], is_folded=True),
             Section("Inputs", tables=[Table(INPUTS, inputs)], is_folded=True),

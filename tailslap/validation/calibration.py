@@ -1,5 +1,7 @@
 """Calibrate force bands of scenes, once on a machine."""
 
+from __future__ import annotations
+
 import functools
 import hashlib
 import json
@@ -7,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from importlib import resources
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from machine_code.system import folder
 from tailslap import progress
@@ -15,6 +17,9 @@ from tailslap.campaign import band_samples
 from tailslap.case.case import Case
 from tailslap.case.force_band import PERCENTILES, Calibration, ForceBand
 from tailslap.validation.tables import SETS, metres_or_newtons, parameters
+
+if TYPE_CHECKING:
+    from tailslap.validation.predictions import Row
 
 SOURCES = ("solver", "fem/laws", "postprocess/signals", "tailslap/case/impact", "tailslap/campaign",
            "tailslap/validation")  # fmt: skip
@@ -27,13 +32,14 @@ LARGEST = 2**16
 class VehicleClass(NamedTuple):
     """A class of vehicles with its calibration.
 
-    levels: test levels; speeds [m/s], masses [kg]: least and largest of its vehicles.
+    levels: test levels; speeds [m/s], masses [kg]: least and largest of its vehicles; published: see `ForceBand`.
     """
 
     levels: list[str]
     speeds: list[float]
     masses: list[float]
     calibration: dict[str, Any]
+    published: list[dict[str, Any]]
 
 
 def calibrated_band(case: Case) -> ForceBand:
@@ -42,7 +48,9 @@ def calibrated_band(case: Case) -> ForceBand:
     if not band.percentiles or case.scene.contact is None:
         return band
     found = class_of(case, classes())
-    return replace(band, calibration=Calibration(**found.calibration)) if found else band
+    if found is None:
+        return band
+    return replace(band, calibration=Calibration(**found.calibration), published=found.published)
 
 
 def class_of(case: Case, known: Sequence[VehicleClass]) -> VehicleClass | None:
@@ -76,27 +84,29 @@ def classes() -> tuple[VehicleClass, ...]:
     path = folder.cache_folder() / f"calibration-{digest[:16]}.json"
     with suppress(ValueError, TypeError):
         return tuple(VehicleClass(*fields) for fields in json.loads(folder.read(path, LARGEST)))
-    from tailslap.validation.predictions import FORCES, calibrations_of, predicted_rows
+    from tailslap.validation.predictions import FORCES, predicted_rows
 
     with progress.progress_bar("calibration of the band, once on this machine") as show:
         tables = parameters()
-        calibrations = calibrations_of(predicted_rows(tables, show, FORCES)[0], tables)
-    computed = described(tables, calibrations)
+        computed = described(tables, predicted_rows(tables, show, FORCES)[0])
     with suppress(OSError):
         folder.write(path, json.dumps(computed).encode())
     return computed
 
 
-def described(tables: Mapping[str, Any], calibrations: Sequence[Calibration]) -> tuple[VehicleClass, ...]:
-    """Return the classes of published.toml with their calibrations."""
+def described(tables: Mapping[str, Any], rows: Sequence[Row]) -> tuple[VehicleClass, ...]:
+    """Return the classes of published.toml with their calibrations by rows."""
+    from tailslap.validation.predictions import QUANTITIES, calibrations_of, forces_of
+
     known = []
-    for one, calibration in zip(tables["classes"], calibrations, strict=True):
+    for one, calibration in zip(tables["classes"], calibrations_of(rows, tables), strict=True):
         vehicles = [
             tables["vehicles"].get(name) or tables["space_vehicles"][name] for name in one["vehicles"]
         ]
         levels = sorted({vehicle["scene"]["impact"]["test_level"] for vehicle in vehicles})
         speeds, masses = (_span(vehicles, key) for key in ("impact.speed", "vehicle.mass"))
-        known.append(VehicleClass(levels, speeds, masses, dict(vars(calibration))))
+        published = [row._asdict() | {"label": QUANTITIES[row.quantity][0]} for row in forces_of(rows, one)]
+        known.append(VehicleClass(levels, speeds, masses, dict(vars(calibration)), published))
     return tuple(known)
 
 

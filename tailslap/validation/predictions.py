@@ -146,11 +146,16 @@ def calibrations_of(rows: Sequence[Row], tables: Mapping[str, Any]) -> tuple[Cal
     """Return the calibration of each class by the rows of its forces."""
     calibrations = []
     for one in tables["classes"]:
-        of_class = [row for row in rows if row.vehicle in one["vehicles"] and row.quantity in FORCES]
+        of_class = forces_of(rows, one)
         bands = [(row.lower, row.predicted, row.upper) for row in of_class]
         published, studies = [row.published for row in of_class], [row.study for row in of_class]
         calibrations.append(conformal.calibration_of(one["name"], published, bands, studies))
     return tuple(calibrations)
+
+
+def forces_of(rows: Sequence[Row], one: Mapping[str, Any]) -> list[Row]:
+    """Return the rows of the forces of a class of vehicles."""
+    return [row for row in rows if row.vehicle in one["vehicles"] and row.quantity in FORCES]
 
 
 def predicted_rows(

@@ -11,7 +11,7 @@ from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table, columns
 from tailslap.arguments import checked_arguments
 from tailslap.case.force_band import CONFIDENCE, PERCENTILES, central_part
-from tailslap.case.report_parts import footer
+from tailslap.case.report_parts import CALIBRATED, CALIBRATION, footer
 from tailslap.result.result import Result, of_report
 from tailslap.validation import predictions
 from tailslap.validation.outcomes import OURS, OVER, SAMPLES, SIDE, STATED, UPRIGHT, Score, scores
@@ -72,18 +72,6 @@ SCORED = (
     'almost all of them of walls that hold: "always contained" scores the fraction of the others.',
 )
 
-CALIBRATION = (
-    Column("name", "Class"),
-    *columns({"rows": "Values", "studies": "Studies"}, form="d"),
-    *columns({"least": "Published over predicted, from", "most": "to", "factor": "Factor"}, form=".2f"),
-    *columns({"rows_held": "Left-out values held", "studies_held": "Studies held"}, form="d"),
-)
-CALIBRATED = (
-    f"Factor: on the logarithms of the band of the inputs, by split conformal prediction for {central_part()}, "
-    "from nine values on. Left-out: each study in turn, by the factor of the others, or their largest score where they "
-    "are fewer than nine; a study is held with all of its values. The 80 kip of TL-4 count twice, in the plane and in "
-    "space.",
-)
 SETS = {
     "first": "first.toml was committed before the first prediction",
     "second": "second.toml was committed before it was scored, but the published values were known when it was chosen: "

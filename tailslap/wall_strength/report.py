@@ -22,7 +22,7 @@ from tailslap.arguments import checked_arguments
 from tailslap.case.case import Case
 from tailslap.case.force_band import ForceBand, fraction_in_words
 from tailslap.case.of_arguments import Changes, Scene, case_of_scene
-from tailslap.case.report_parts import design_forces_of, footer
+from tailslap.case.report_parts import design_forces_of, footer, published_section
 from tailslap.errors import InputError, Missing
 from tailslap.result.result import Result, filled_by, of_report
 from tailslap.scene.parapet_keys import load_length_of, strengths_of
@@ -193,6 +193,7 @@ def _report(case: Case, rows: list[Computed], band: ForceBand, began: float) -> 
     ]
     sections = (
         Section("Strength and demand", tables=tables),
+        published_section(band),
         Section("Method and omitted effects", sentences=method),
     )
     files = "summary.json (SI)"

@@ -10,6 +10,7 @@ import pytest
 
 import tailslap
 from postprocess.figures.positions import SCHEME, SYMBOLS, Unit, draw_set_up
+from postprocess.report.page import page_text
 from postprocess.report.terminal import concluded
 from postprocess.svg.areas import Outline
 from postprocess.svg.marks import Words
@@ -22,6 +23,7 @@ from tailslap.case.corner import corner_report as corner
 from tailslap.case.force_band import ForceBand
 from tailslap.case.impact import report as impact
 from tailslap.scene.read import read_scene, shipped_scenes
+from tailslap.validation.calibration import calibrated_band, class_of, classes
 
 
 def case(name, *changes):
@@ -275,6 +277,39 @@ def test_ratios_and_the_other_restitution_are_named(outcome):
     assert (mean["fe"], mean["rigid"]) == pytest.approx((0.75 * peak["fe"], 0.75 * peak["rigid"]))
     assert newton["what"] == "Peak with Newton's convention (1 + e)"
     assert newton["rigid"] == truck.fe_plan.case.other_convention()[1].force.peak_force
+
+
+@pytest.mark.parametrize(("name", "verdict"), [
+    ("impact-mash-tl4-sut", "9 of 11 published values of this class lie in the 90 % band of the inputs."),
+    ("impact-tipping-tl4-sut", "9 of 11 published values of this class lie in the 90 % band of the inputs."),
+    ("impact-mash-tl3-pickup", "0 of 1 published values of this class lie in the 90 % band of the inputs. They are "
+     "too few for a calibrated band."),
+])  # fmt: skip
+def test_the_band_links_to_the_published_values_of_its_class(name, verdict, outcome):
+    """In plane and space, with calibration and without."""
+    result = outcome(name)
+    of = result.fe_plan.case
+    text = page_text(of.report(result, calibrated_band(of)).page(False)).replace("\N{NO-BREAK SPACE}", " ")
+    ((part, words),) = re.findall(r' <a href="#([\w-]+)">([^<]*)</a></p>', text)
+    assert words == verdict
+    section = text.partition(f'<section id="{part}">')[2].partition("</section>")[0]
+    assert section.strip().startswith("<details>")
+    lines = re.sub('<span class="us">.*?</span>', "", section.partition("</tbody>")[0]).split("<tr>")[2:]
+    one = class_of(of, classes())
+    assert one
+    for row, line in zip(one.published, lines, strict=True):
+        numbers = [f"{1e-3 * row[key]:.0f}" for key in ("published", "predicted", "lower", "upper")]
+        expected = [row["source"], *numbers, f"{row['ratio']:.2f}", "yes" if row["inside"] else "no"]
+        cells = [
+            re.sub("<.*?>", "", cell) for cell in re.findall(r"<(?:small|td).*?>(.*?)</(?:small|td)>", line)
+        ]
+        assert [cells[0], *cells[4:]] == expected
+
+
+def test_without_published_values_the_band_has_no_link(outcome):
+    result = outcome("impact-mash-tl1-car")
+    of = result.fe_plan.case
+    assert "</a></p>" not in page_text(of.report(result, calibrated_band(of)).page(False))
 
 
 def test_headings_name_what_is_drawn(outcome, tmp_path):

@@ -96,13 +96,15 @@ def test_the_switch_changes_units_and_tables_are_copied_as_shown(browser, tmp_pa
         assert not session.errors
 
 
-def test_a_link_of_the_contents_opens_the_folded_section(browser, tmp_path):
-    folded = Section("Folded", sentences=("A sentence.",), is_folded=True)
-    report_page = Page("", Headline("Links", ""), (Section("Open", "A lead."), folded), "", contents=True)
+@pytest.mark.parametrize("link", ["nav a >> nth=1", "text=A lead."])
+def test_links_of_contents_and_band_open_the_folded_section(browser, tmp_path, link):
+    folded = Section("Folded", "A lead.", is_folded=True, is_of_band=True)
+    headline = Headline("Links", "", band="A band.")
+    report_page = Page("", headline, (Section("Open", "A part."), folded), "", contents=True)
     with opened(browser, write_page(tmp_path / "p.html", report_page)) as session:
         details = session.page.locator("details")
         details.evaluate("details => (details.open = false)")
-        session.page.locator("nav a").nth(1).click()
+        session.page.locator("header").locator(link).click()
         assert details.evaluate("details => details.open")
 
 

@@ -13,6 +13,12 @@ from tailslap.validation import calibration, predictions
 from tailslap.validation.conformal import calibration_of, conformal_factor, held_of_left_out, score
 from tailslap.validation.tables import parameters
 
+ROWS = [
+    predictions.Row("a", "mean_50ms", "", False, 1.0, 0.5, 2.0, 1.5, 0.7, True, 0.0, vehicle, "A", "here")
+    for vehicle in ("8000S", "2270P", "36000T")
+]
+"""A force of each class."""
+
 
 @pytest.mark.parametrize(("count", "place"), [(8, None), (9, 9), (11, 11), (19, 18), (29, 27), (99, 90)])
 def test_the_factor_is_the_order_statistic(count, place):
@@ -61,8 +67,8 @@ def test_eight_values_have_no_factor():
     ("impact-mash-tl1-car", (), None),
 ])  # fmt: skip
 def test_a_class_has_its_level_mass_and_speed(scene, changes, place):
-    few = calibration_of("few", [1.5], [(0.5, 1.0, 2.0)], ["A"])
-    known = calibration.described(parameters(), 3 * [few])
+    known = calibration.described(parameters(), [ROWS[0]._replace(quantity="duration"), *ROWS])
+    assert [[row["vehicle"] for row in of.published] for of in known] == [[row.vehicle] for row in ROWS]
     found = calibration.class_of(case_of(*read_scene(scene, changes)), known)
     assert found is (None if place is None else known[place])
 
@@ -73,20 +79,19 @@ def test_calibrations_are_kept_under_the_digest_of_what_they_depend_on(tmp_path,
 
     def rows(*arguments):
         computed.append(arguments)
-        return (), 0
+        return ROWS, 0
 
-    one = calibration_of("one", [1.5], [(0.5, 1.0, 2.0)], ["A"])
+    expected = calibration.described(parameters(), ROWS)
     monkeypatch.setattr(predictions, "predicted_rows", rows)
-    monkeypatch.setattr(predictions, "calibrations_of", lambda rows, tables: 3 * (one,))
     monkeypatch.setattr(folder, "own_sources", lambda *packages: sources[0])
     for digest, count in (("1", 1), ("1", 1), ("2", 2)):
         sources[0] = digest
         calibration.classes.cache_clear()
-        assert [of.calibration for of in calibration.classes()] == 3 * [vars(one)]
+        assert calibration.classes() == expected
         assert len(computed) == count
     (path, other) = sorted(tmp_path.glob("calibration-*.json"))
     for damage in (b"", b"[1]", json.dumps([{"name": "x"}]).encode()):
         path.write_bytes(damage), other.write_bytes(damage)
         calibration.classes.cache_clear()
-        assert [of.calibration for of in calibration.classes()] == 3 * [vars(one)]
+        assert calibration.classes() == expected
     calibration.classes.cache_clear()

@@ -12,6 +12,7 @@ from tailslap.case.impact.space import space_input
 from tailslap.scene.vary import Source, vary
 from tailslap.validation import outcomes, predictions
 from tailslap.validation import validation_report as validation_report_module
+from tailslap.validation.calibration import classes
 from tailslap.validation.samples import Samples, in_plane, samples_of
 from tailslap.validation.tables import SETS, parameters
 from tailslap.validation.validation_report import validation_report
@@ -240,3 +241,7 @@ def test_rows_that_fail_stay():
     ]
     for row in result.summary["outcomes"]:
         assert sum(row["probabilities"].values()) == pytest.approx(1.0, abs=1e-12)
+    for one, of in zip(PARAMETERS["classes"], classes(), strict=True):
+        rows = [row for row in result.summary["rows"] if row["vehicle"] in one["vehicles"]]
+        forces = [row for row in rows if row["quantity"] in predictions.FORCES]
+        assert [{name: row[name] for name in forces[0]} for row in of.published] == forces

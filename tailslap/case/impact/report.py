@@ -21,7 +21,7 @@ from tailslap.case.impact import checks, error, figures, run, space_figures
 from tailslap.case.impact.answers import COMPANION, WEIGHT, ImpactAnswer, remarks
 from tailslap.case.impact.design import MEANING, OVER, sentences
 from tailslap.case.impact.plan import ImpactPlan
-from tailslap.case.impact.rigid import RigidImpact, tested
+from tailslap.case.impact.rigid import RigidImpact
 from tailslap.case.impact.rigid_input import above_wall
 from tailslap.case.impact.space import section
 from tailslap.case.report_parts import checks_section, design_ratios, design_table, short, strikes_table
@@ -118,7 +118,7 @@ class ImpactReport(FeReport):
             failed_sentence(outcome.checks) + sentence,
             f"{case.set_up} {plate_sentence(fe_plan)}",
             _uncertain(outcome) if uncertain else _certainty(outcome),
-            tested(self.band),
+            self.band.sentence,
         )
 
     @property

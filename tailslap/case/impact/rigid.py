@@ -62,8 +62,6 @@ OF_A_TRAILER = ("centre_of_mass", "yaw_inertia", "hitch", "kingpin", "mass", "le
 OF_AN_AXLE = ("position", "friction", "cornering")
 """Keys of an axle that it depends on."""
 
-VERDICT = " Published values beside such bands: `tailslap validate`, docs/validation.md."
-
 EQUAL, OF_SCENE = ", equal to its assumed plateau", "This scene: "
 """Words behind a force that equals its plateau, and before the force of a scene beside a band."""
 
@@ -96,11 +94,6 @@ ENDS = {
     "v_gy": ("v_GY", "m/s"),
 }
 """Labels and units of the end."""
-
-
-def tested(band: ForceBand) -> str:
-    """Return the origin of a band and its comparison with tests."""
-    return f"{band.sentence}{VERDICT if band.percentiles else ''}"
 
 
 def row_interval(shortest: float, end: float) -> float:
@@ -490,7 +483,7 @@ class RigidImpact(Case):
             self.force_sentence(self.answer, band=band),
             self.set_up,
             f"Rigid vehicle{' in space' if self.space else ''}; {error}.",
-            tested(band),
+            band.sentence,
         )
 
     def drawing(self) -> Chart:
