@@ -110,7 +110,7 @@ def best_rate(work: float, call: Callable[[], object]) -> float:
 
 
 def measure(checkout: str, parts: list[str]) -> dict[str, float]:
-    """Return the rates of a checkout, measured in a process of its own."""
+    """Return the rates of a checkout, by a process of its own."""
     command = [sys.executable, __file__, "--measure", checkout, *parts]
     process = subprocess.run(command, cwd=checkout, capture_output=True, text=True)
     if process.returncode:
