@@ -24,7 +24,8 @@ from tailslap.case.force_band import ForceBand
 from tailslap.case.plate_input import Decision
 from tailslap.errors import InputError
 from tailslap.scene import write
-from tailslap.scene.schema import Plate, Scene
+from tailslap.scene.model_tables import Plate
+from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source, changes_of, vary
 
 if TYPE_CHECKING:

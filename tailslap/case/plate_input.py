@@ -19,7 +19,8 @@ from meshes import distorted, plate_mesh
 from postprocess.units import measure
 from tailslap.case import resources
 from tailslap.errors import InputError
-from tailslap.scene.schema import Plate, Scene, value_at
+from tailslap.scene.model_tables import Plate
+from tailslap.scene.schema import Scene, value_at
 from tailslap.scene.write import unit_at
 
 if TYPE_CHECKING:

@@ -17,7 +17,9 @@ from machine_code.system.operating_system import (
     used_address_space,
 )
 from tailslap.errors import InputError, Verbatim
-from tailslap.scene.schema import Plate, Scene, Vehicle
+from tailslap.scene.model_tables import Plate
+from tailslap.scene.schema import Scene
+from tailslap.scene.vehicle_tables import Vehicle
 
 ELEMENTS = 120
 """Number of elements of the first mesh where the scene does not specify it."""

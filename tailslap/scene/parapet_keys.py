@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from postprocess.signals.design_forces import design_forces
 from tailslap.errors import InputError, Missing
 from tailslap.scene import schema
+from tailslap.scene.model_tables import Parapet
 
 if TYPE_CHECKING:
     from solver.parapet import Strengths
@@ -16,7 +17,7 @@ STRENGTHS = ("wall_strength", "base_strength")
 """Keys that [parapet.section] replaces."""
 
 
-def check_parapet(scene: schema.Scene, parapet: schema.Parapet) -> None:
+def check_parapet(scene: schema.Scene, parapet: Parapet) -> None:
     """Raise InputError for combinations of keys without a meaning."""
     if parapet.section is None:
         for name in STRENGTHS:
@@ -50,7 +51,7 @@ def check_parapet(scene: schema.Scene, parapet: schema.Parapet) -> None:
     strengths_of(parapet)
 
 
-def load_length_of(scene: schema.Scene, parapet: schema.Parapet) -> float:
+def load_length_of(scene: schema.Scene, parapet: Parapet) -> float:
     """Return the length of the load [m].
 
     By default it is that of AASHTO or EN 1991-2 for the test level. Raises InputError without both.
@@ -65,7 +66,7 @@ def load_length_of(scene: schema.Scene, parapet: schema.Parapet) -> float:
     return length
 
 
-def strengths_of(parapet: schema.Parapet) -> Strengths:
+def strengths_of(parapet: Parapet) -> Strengths:
     """Return the strengths of a parapet.
 
     Raises InputError for a section without any."""

@@ -11,7 +11,10 @@ from fem.laws.friction import FRICTION_LAWS
 from fem.plate.kinds import ELEMENT_KINDS, LUMPINGS
 from tailslap.errors import InputError, Missing, Verbatim, nearest
 from tailslap.scene import schema
+from tailslap.scene.model_tables import Damping, Wall
 from tailslap.scene.parapet_keys import check_parapet
+from tailslap.scene.types import STIFFNESS_BOUNDS
+from tailslap.scene.vehicle_tables import Contact
 
 ELASTIC_WALL_KEYS = ("height", "foundation_stiffness", "density", "youngs_modulus", "poissons_ratio")
 OF_MESH = ("length", "depth", "elements")
@@ -261,7 +264,7 @@ def _check_corner(scene: schema.Scene) -> None:
         raise InputError("trailer", f"{len(scene.trailer)} tables", why)
     for key in ELASTIC_WALL_KEYS:
         value = getattr(scene.wall, key, None)
-        if scene.wall is not None and value != schema.Wall.model_fields[key].default:
+        if scene.wall is not None and value != Wall.model_fields[key].default:
             allowed = "an elastic wall requires [contact]; remove this key"
             raise InputError(f"wall.{key}", value, allowed)
     friction = scene.corner.friction
@@ -309,7 +312,7 @@ def _check_plate(scene: schema.Scene) -> None:
         _check_damping(scene.damping)
 
 
-def _check_damping(damping: schema.Damping) -> None:
+def _check_damping(damping: Damping) -> None:
     """Validate combinations of the keys of [damping]."""
     if not damping.model_fields_set:
         allowed = "kind, ratio or bulk_viscosity is required; without this table damping is automatic"
@@ -323,7 +326,7 @@ def _check_damping(damping: schema.Damping) -> None:
         raise InputError(f"damping.{excluded[0]}", getattr(damping, excluded[0]), allowed)
 
 
-def _check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
+def _check_impact(scene: schema.Scene, contact: Contact) -> None:
     """Validate keys of a whole impact."""
     for name, why in CORNER_TABLES.items():
         if name in scene.model_fields_set and getattr(scene, name) is not None:
@@ -339,7 +342,7 @@ def _check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
     _check_plate_of_impact(scene, contact)
 
 
-def _check_contact(scene: schema.Scene, contact: schema.Contact) -> None:
+def _check_contact(scene: schema.Scene, contact: Contact) -> None:
     """Validate keys that depend on whether the vehicle crushes."""
     if contact.strike_duration is not None:
         _check_strike_duration(scene)
@@ -398,13 +401,13 @@ def _with_crush_stiffness(scene: schema.Scene) -> schema.Scene:
     centre = 0.5 * body.length if body.centre_of_mass is None else body.centre_of_mass
     vehicle = (body.mass, body.yaw_inertia, body.length, body.width, centre)
     stiffness = stiffness_of_duration(contact.strike_duration, contact.restitution or 0.0, *vehicle)
-    low, high = schema.STIFFNESS_BOUNDS
+    low, high = STIFFNESS_BOUNDS
     if not low <= stiffness <= high:
         allowed = f"the crush stiffness would be {stiffness:.3g} N/m; allowed is {low:g} to {high:g} N/m"
         raise InputError("contact.strike_duration", contact.strike_duration, allowed)
     values = dict(contact) | {"stiffness": stiffness}
     # The stiffness is not marked as set, so that variations of the scene compute it again.
-    derived = schema.Contact.model_construct(_fields_set=contact.model_fields_set, **values)
+    derived = Contact.model_construct(_fields_set=contact.model_fields_set, **values)
     return scene.model_copy(update={"contact": derived})
 
 
@@ -521,7 +524,7 @@ def _check_sensor(scene: schema.Scene) -> None:
         raise InputError("sensor.height", sensor.height, allowed)
 
 
-def _check_plate_of_impact(scene: schema.Scene, contact: schema.Contact) -> None:
+def _check_plate_of_impact(scene: schema.Scene, contact: Contact) -> None:
     """Validate keys of the plate in a whole impact."""
     plate = scene.plate
     if plate is None:

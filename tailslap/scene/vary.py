@@ -19,6 +19,7 @@ from fem.registry import Registry
 from fem.start import start_kinds
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene import schema
+from tailslap.scene.types import SceneTable
 from tailslap.scene.validate import validate, value_in
 
 KEY = r"[^.\s]{1,80}(\.[^.\s]{1,80}){0,3}"
@@ -42,7 +43,7 @@ Changes = Mapping[str, Any]
 Tables = dict[str, Any]
 """Tables of a scene as in its file, with units."""
 
-TableT = TypeVar("TableT", bound=schema.SceneTable)
+TableT = TypeVar("TableT", bound=SceneTable)
 
 REGISTRIES: dict[str, Registry[Any]] = {
     "corner.reaction": friction.FRICTION_LAWS,

@@ -16,6 +16,8 @@ from postprocess.units import measure
 from tailslap.arguments import checked_arguments
 from tailslap.errors import InputError, place_error
 from tailslap.scene import schema, units, validate, vary
+from tailslap.scene.model_tables import Plate
+from tailslap.scene.vehicle_tables import StripTable
 
 EXAMPLE: Mapping[str, Mapping[str, str | float]] = {
     "vehicle": {"length": "10 m", "width": "2438 mm", "mass": "9979 kg"},
@@ -240,7 +242,7 @@ def plain_numbers(source: vary.Source) -> dict[str, str]:
 
 
 def resolved_inputs(
-    scene: schema.Scene, source: vary.Source, plate: schema.Plate, chosen: Mapping[str, object] | None = None
+    scene: schema.Scene, source: vary.Source, plate: Plate, chosen: Mapping[str, object] | None = None
 ) -> tuple[SceneInput, ...]:
     """Return the rows of `scene_inputs` with the resolved modulus.
 
@@ -272,7 +274,7 @@ def _rows(table: BaseModel, entries: vary.Tables, changed: frozenset[str], prefi
         elif value is not None:
             origin = "--set" if key in changed else "scene" if name in entries else "default"
             text = value if isinstance(value, int | float | str) else " x ".join(map(str, value))
-            unit = unit_of(field, is_point=isinstance(table, schema.StripTable) and table.is_point)
+            unit = unit_of(field, is_point=isinstance(table, StripTable) and table.is_point)
             rows.append(SceneInput(key, str(entries.get(name, "")), text, unit, origin))
     return rows
 

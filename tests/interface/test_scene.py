@@ -16,7 +16,8 @@ from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene, read_source, remarks, shipped_scenes, source_of_text, unit_remarks
-from tailslap.scene.schema import TABLES, SceneTable
+from tailslap.scene.schema import TABLES
+from tailslap.scene.types import SceneTable
 from tailslap.scene.vary import Source, changed_tables, parse_changes, shown, varied, vary, with_values
 from tailslap.scene.write import scene_inputs, scene_text
 

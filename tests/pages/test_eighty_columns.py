@@ -17,7 +17,8 @@ from postprocess.report.tables import Column, Table
 from postprocess.report.terminal import MORE, labelled, printed, table_lines
 from tailslap import cli, errors
 from tailslap.scene import read, schema, write
-from tailslap.scene.schema import Scene, SceneTable
+from tailslap.scene.schema import Scene
+from tailslap.scene.types import SceneTable
 from tailslap.scene.validate import key_by_key, validate
 
 QUICK = (

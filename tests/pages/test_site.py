@@ -25,7 +25,8 @@ from tailslap.campaign import engine
 from tailslap.cli import commands, main
 from tailslap.result import result
 from tailslap.scene import read
-from tailslap.scene.schema import MEANINGS, Scene, SceneTable
+from tailslap.scene.schema import MEANINGS, Scene
+from tailslap.scene.types import SceneTable
 from tailslap.studies.parapet import parapet_study
 from tailslap.studies.tipping import tipping_study
 from tailslap.validation import outcomes, predictions

@@ -14,7 +14,7 @@ from postprocess.signals import occupant as risk
 from postprocess.signals.design_forces import EN_LEVELS, LRFD, design_forces
 from postprocess.signals.filters import CLASSES, cfc_filter, force_curves, force_peaks, low_pass, moving_mean
 from postprocess.signals.strike_duration import second_strike
-from tailslap.scene.schema import TestLevel
+from tailslap.scene.types import TestLevel
 
 FILTERS: dict[str, Callable[..., Any]] = {
     **{f"CFC {c}": partial(cfc_filter, frequency_class=c) for c in CLASSES},

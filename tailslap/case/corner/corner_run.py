@@ -33,7 +33,7 @@ from tailslap.case.corner.rigid_stages import RigidStages
 from tailslap.case.plate_input import refined
 from tailslap.errors import InputError
 from tailslap.progress import announced, compiling, progress_bar
-from tailslap.scene.schema import Plate
+from tailslap.scene.model_tables import Plate
 from tailslap.storage import checkpoints
 
 if TYPE_CHECKING:

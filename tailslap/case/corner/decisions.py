@@ -31,7 +31,8 @@ from tailslap.case.plate_input import (
     threads_decision,
 )
 from tailslap.errors import InputError
-from tailslap.scene.schema import Plate, Scene
+from tailslap.scene.model_tables import Plate
+from tailslap.scene.schema import Scene
 
 if TYPE_CHECKING:
     import meshio

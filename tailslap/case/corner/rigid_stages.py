@@ -30,6 +30,7 @@ from tailslap.errors import InputError, Verbatim
 from tailslap.scene import schema, vary
 from tailslap.scene.read import read_scene, shipped_scenes
 from tailslap.scene.units import value_line
+from tailslap.scene.vehicle_tables import StartTable
 
 if TYPE_CHECKING:
     from postprocess.figures.positions import Unit
@@ -145,9 +146,9 @@ class RigidStages(case.Case):
         scene: Any = self.scene
         for key, value in inputs.items():
             table, _, name = key.partition(".")
-            changed = (getattr(scene, table) or schema.StartTable()).model_copy(update={name: value})
+            changed = (getattr(scene, table) or StartTable()).model_copy(update={name: value})
             scene = scene.model_copy(update={table: changed})
-        vehicle, impact, start = scene.vehicle, scene.impact, scene.start or schema.StartTable()
+        vehicle, impact, start = scene.vehicle, scene.impact, scene.start or StartTable()
         body = solver.RectangularBody(vehicle.length, vehicle.width, vehicle.mass)
         begin: tuple[Any, Any, Any] = (start.angle, start.omega, start.corner_speed)
         if impact is not None:

@@ -11,7 +11,7 @@ from postprocess.comparison import quantities
 from tailslap.case.corner.rigid_stages import RigidStages
 from tailslap.case.plate_input import plate_properties, refusal, resolved_plate, step_properties
 from tailslap.errors import InputError
-from tailslap.scene.schema import Plate
+from tailslap.scene.model_tables import Plate
 
 if TYPE_CHECKING:
     import meshio

@@ -14,7 +14,7 @@ from solver.impact import Strike
 from solver.impact.strikes import nearest
 from tailslap.case.impact.answers import MEAN_WINDOW, ImpactAnswer, heavy, mean_peak
 from tailslap.case.plate_input import refined
-from tailslap.scene.schema import Plate
+from tailslap.scene.model_tables import Plate
 
 QUANTITIES = {
     "peak_force": "peak force",

@@ -24,7 +24,8 @@ from solver.impact.strips import strips_of_units
 from tailslap.case import plate_input
 from tailslap.case.case import FePlan
 from tailslap.case.impact.rigid import RigidImpact
-from tailslap.scene.schema import Plate, Scene, Wall, value_at
+from tailslap.scene.model_tables import Plate, Wall
+from tailslap.scene.schema import Scene, value_at
 
 if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel

@@ -10,7 +10,8 @@ from solver import RigidBodyError, impact
 from solver.impact.crush_law import LAW
 from solver.impact.strips import SCALED
 from tailslap.errors import InputError, Verbatim
-from tailslap.scene.schema import Scene, Vehicle, value_at
+from tailslap.scene.schema import Scene, value_at
+from tailslap.scene.vehicle_tables import Vehicle
 
 ARGUMENTS = (
     *(f"vehicle.{name}" for name in ("length", "width", "mass", "centre_of_mass")),

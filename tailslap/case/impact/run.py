@@ -22,7 +22,7 @@ from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact
 from tailslap.case.plate_input import refusal
 from tailslap.errors import InputError
 from tailslap.progress import announced, compiling, progress_bar
-from tailslap.scene.schema import Plate
+from tailslap.scene.model_tables import Plate
 from tailslap.storage import checkpoints
 
 if TYPE_CHECKING:

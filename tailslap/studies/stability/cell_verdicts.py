@@ -29,7 +29,8 @@ from tailslap.case.impact.rigid import RigidImpact
 from tailslap.case.impact.run import ImpactOutcome
 from tailslap.case.resources import expected_effort
 from tailslap.errors import InputError
-from tailslap.scene.schema import Plate, Scene
+from tailslap.scene.model_tables import Plate
+from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source, vary
 
 Verify = Callable[[Any], Record]
