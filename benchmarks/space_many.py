@@ -21,7 +21,7 @@ from space_vehicles import ANGLE, MASS, SPEED, truck, truck_unit
 
 from solver.space import SpaceVehicle, SpaceWall, lowest_wall, lowest_walls, solve_space, solve_spaces
 from tailslap.case import case_of
-from tailslap.case.impact.space import space_input
+from tailslap.case.impact.space.input import space_input
 from tailslap.scene.read import read_scene
 
 

@@ -15,7 +15,7 @@ from dataclasses import replace
 import command_line
 
 from solver.space import PROFILES, SpaceMotion, lowest_wall, solve_space
-from tailslap.case.impact.space import SpaceInput, space_input
+from tailslap.case.impact.space.input import SpaceInput, space_input
 from tailslap.scene.read import read_scene
 
 INCH = 0.0254

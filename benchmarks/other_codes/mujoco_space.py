@@ -33,7 +33,7 @@ import command_line
 from solver.body import GRAVITY
 from solver.space import SpaceAxle, SpaceStrip, SpaceVehicle, SpaceWall, solve_space
 from solver.space.columns import AXLE_GYRATION
-from tailslap.case.impact.space import space_input
+from tailslap.case.impact.space.input import space_input
 from tailslap.scene.read import read_scene
 
 STEP, INTERVAL = 2.5e-4, 5e-4

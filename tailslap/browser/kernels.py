@@ -16,7 +16,7 @@ from solver.impact.train import ROUNDING
 from solver.impact.tyres import set_axle_loads
 from solver.rules import MIN_INERTIA
 from tailslap.case.corner.rigid_stages import MEAN_WINDOW
-from tailslap.case.impact.rigid import row_interval
+from tailslap.case.impact.rigid_motion import row_interval
 
 POSSIBLE, PLATEAU, LINE, UNLOADING, HARDENING, CENTRE, INERTIA, AXLE, AXLE_LOAD, ENDS = range(10)
 """Reasons why there is no impact: rules of the theory, and ends of a range beyond the bounds of its key."""

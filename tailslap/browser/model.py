@@ -24,9 +24,9 @@ from tailslap.browser import bands, kernels
 from tailslap.campaign import band_samples, planar_ranges, sampling
 from tailslap.campaign.input_ranges import HARDENING, LIGHT_VEHICLES, MASS, Range
 from tailslap.case.force_band import PERCENTILES
-from tailslap.case.impact import answers, rigid
+from tailslap.case.impact import answers, rigid_motion
 from tailslap.case.impact.rigid_input import Touching, touching
-from tailslap.case.impact.space import space_input
+from tailslap.case.impact.space.input import space_input
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene.schema import Scene, value_at
 from tailslap.scene.write import quantity_at
@@ -92,8 +92,8 @@ def model_of(case: ImpactCase) -> Model:
     solved = [_case(case, parts, unit, group, n) for n in (1, count)]
     table = np.array(values)[:, None]
     motion, paper = _motion(case, solved[0][1]), _paper(case, columns)
-    interval, means = rigid.INTERVAL, 3
-    instants = math.ceil(rigid.LONGEST / interval) + 2
+    interval, means = rigid_motion.INTERVAL, 3
+    instants = math.ceil(rigid_motion.LONGEST / interval) + 2
     workspaces = tuple(np.zeros(instants + 1) for _ in range(means))
     percentiles = np.array([PERCENTILES, np.zeros(len(PERCENTILES))], dtype=np.float64)
     varied = ranges_of(case, ranges, columns, count)
@@ -269,8 +269,8 @@ def _case(
     tyres = Tyres(*owners, *np.zeros((4, axles, n)), *sums)
     start, is_band = np.zeros((n, units, 6)), n > 1
     awaited = impact.awaited(case.contact, case.lengths)
-    one = rigid.TRAIN_TOLERANCE if case.trailers else impact.TOLERANCE
-    tolerance, interval = (MANY_TOLERANCE, rigid.INTERVAL) if is_band else (one, 0.0)
+    one = rigid_motion.TRAIN_TOLERANCE if case.trailers else impact.TOLERANCE
+    tolerance, interval = (MANY_TOLERANCE, rigid_motion.INTERVAL) if is_band else (one, 0.0)
     choice, clock = timing(
         train,
         start,
@@ -279,15 +279,15 @@ def _case(
         None,
         interval,
         is_band,
-        rigid.AFTER_SECOND,
+        rigid_motion.AFTER_SECOND,
         awaited,
-        rigid.LONGEST,
+        rigid_motion.LONGEST,
         tolerance,
     )
     work = workspace(units, len(train.hitch), points, 1 + int(group.max()))
-    rows = math.ceil(rigid.LONGEST / interval) + 2 if is_band else 2 * len(case.motion.rows)
+    rows = math.ceil(rigid_motion.LONGEST / interval) + 2 if is_band else 2 * len(case.motion.rows)
     width = 1 if is_band else case.motion.rows.shape[1]
-    outcome = room_for(start, 0, rigid.STRIKES if is_band else MOST_STRIKES, width)
+    outcome = room_for(start, 0, rigid_motion.STRIKES if is_band else MOST_STRIKES, width)
     return (train, tyres, start, choice, clock, work), outcome._replace(rows=np.zeros((1, rows, width)))
 
 

@@ -13,7 +13,7 @@ from tailslap.browser import model, space
 from tailslap.browser.model import Model
 from tailslap.campaign import band_samples, space_samples
 from tailslap.case.force_band import PERCENTILES
-from tailslap.case.impact.space import space_input
+from tailslap.case.impact.space.input import space_input
 from tailslap.scene.schema import value_at
 
 if TYPE_CHECKING:

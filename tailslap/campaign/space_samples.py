@@ -17,7 +17,7 @@ from tailslap.campaign import input_ranges
 from tailslap.campaign.input_ranges import Limits, Range, TypedLimits, about, nominal_value
 from tailslap.campaign.sampling import Array
 from tailslap.case.impact.case import ImpactCase
-from tailslap.case.impact.space import space_input
+from tailslap.case.impact.space.input import space_input
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene.schema import Scene, value_at
 from tailslap.scene.vary import Source, vary

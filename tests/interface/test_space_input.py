@@ -17,10 +17,11 @@ from postprocess.units import SYSTEMS, percent_up
 from solver import RigidBodyError
 from solver.space import SpaceWall, profile_points, solve_space, solve_spaces
 from solver.space.wall import face_at
-from tailslap.case.impact import rigid
+from tailslap.case.impact import rigid_motion
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.rigid_input import above_wall, touching, wall_contact
-from tailslap.case.impact.space import SpaceAnswer, space_input
+from tailslap.case.impact.space.answer import SpaceAnswer
+from tailslap.case.impact.space.input import space_input
 from tailslap.case.of_arguments import case_of_scene
 from tailslap.scene.read import read_scene
 
@@ -157,7 +158,7 @@ def test_results_have_the_keys_of_the_interface():
 @pytest.mark.parametrize("scene", [SCENE, TRAIN])
 def test_a_vehicle_in_space_is_solved_in_space_alone(scene, monkeypatch):
     """Strikes, forces, end, history, drawing and row are of that motion."""
-    monkeypatch.setattr(rigid, "_solved", None)
+    monkeypatch.setattr(rigid_motion, "_solved", None)
     result = tailslap.rigid(scene, {"plate": None}, band=False)
     case: Any = case_of_scene(scene, {"plate": None})
     space, summary = case.space, result.summary

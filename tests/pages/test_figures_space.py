@@ -213,11 +213,12 @@ def test_an_animation_has_both_views(tmp_path):
 @pytest.mark.parametrize("changes", [(), ("wall.profile=new-jersey",)])
 def test_drawn_tyres_are_compressed_by_their_loads(changes):
     """The load is stiffness times depth of the unloaded tyre."""
-    from tailslap.case.impact import space as case
-    from tailslap.case.impact.space_figures import charts, geometry
+    from tailslap.case.impact.space.answer import solve
+    from tailslap.case.impact.space.figures import charts, geometry
+    from tailslap.case.impact.space.input import space_input
     from tailslap.scene.read import read_scene
 
-    answer = case.solve(case.space_input(read_scene("impact-tipping-tl4-sut", changes)[0]))
+    answer = solve(space_input(read_scene("impact-tipping-tl4-sut", changes)[0]))
     vehicle, wall, motion = answer.inputs.vehicle, answer.inputs.wall, answer.motion
     h, drawn = motion.history, geometry(vehicle, wall)
     for number, axle in enumerate(vehicle.axles):

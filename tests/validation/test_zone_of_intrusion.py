@@ -10,8 +10,8 @@ import pytest
 from solver.space import solve_space
 from tailslap.campaign import sampling, space_samples
 from tailslap.case.impact.case import ImpactCase
-from tailslap.case.impact.design import intrusions
-from tailslap.case.impact.space import space_input
+from tailslap.case.impact.space.design import intrusions
+from tailslap.case.impact.space.input import space_input
 from tailslap.scene.vary import Source, vary
 from tailslap.validation.tables import parameters
 

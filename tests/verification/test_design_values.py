@@ -11,7 +11,7 @@ from space_vehicles import WIDTH, axle, truck, truck_unit
 from solver.space import SpaceStrip, SpaceVehicle, SpaceWall, solve_space, state
 from solver.space.rows import means
 from tailslap.case.impact.case import ImpactCase
-from tailslap.case.impact.design import exit_box, intrusions, numbers
+from tailslap.case.impact.space.design import exit_box, intrusions, numbers
 from tailslap.scene.read import read_scene
 
 

@@ -9,7 +9,7 @@ from solver.space import UNDECIDED, solve_space, solve_spaces
 from solver.space.vehicle import fleet_of
 from tailslap.browser import space, space_model
 from tailslap.campaign import band_samples
-from tailslap.case.impact.space import space_input
+from tailslap.case.impact.space.input import space_input
 from tailslap.case.of_arguments import case_of_scene
 
 pytestmark = pytest.mark.verification

@@ -8,7 +8,7 @@ from solver import space
 from solver.space.vehicle import fleet_of
 from tailslap.campaign import sampling, space_samples
 from tailslap.case.impact.case import ImpactCase
-from tailslap.case.impact.space import space_input
+from tailslap.case.impact.space.input import space_input
 from tailslap.scene.vary import Source, vary
 from tailslap.validation import outcomes, predictions
 from tailslap.validation import validation_report as validation_report_module

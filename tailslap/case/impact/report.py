@@ -17,13 +17,14 @@ from postprocess.report.tables import Column, Table, columns
 from postprocess.signals import filters
 from postprocess.units import Units, force, measure, milliseconds, percent_up
 from tailslap.case.check import failed_names, failed_sentence
-from tailslap.case.impact import checks, error, figures, run, space_figures
+from tailslap.case.impact import checks, error, figures, run
 from tailslap.case.impact.answers import COMPANION, WEIGHT, ImpactAnswer, remarks
-from tailslap.case.impact.design import MEANING, OVER, sentences
 from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import RigidImpact
 from tailslap.case.impact.rigid_input import above_wall
-from tailslap.case.impact.space import section
+from tailslap.case.impact.space import figures as space_figures
+from tailslap.case.impact.space.answer import section
+from tailslap.case.impact.space.design import MEANING, OVER, sentences
 from tailslap.case.report_parts import checks_section, design_ratios, design_table, short, strikes_table
 from tailslap.case.run_report import (
     FeReport,

@@ -18,7 +18,8 @@ from postprocess.signals.occupant import RiskMeasure
 from solver.impact import ImpactMotion, Strike, outermost
 from tailslap.case.case import Outcome
 from tailslap.case.impact import answers, error, plan
-from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact
+from tailslap.case.impact.rigid import RigidImpact
+from tailslap.case.impact.rigid_motion import AFTER_SECOND, LONGEST
 from tailslap.case.plate_input import refusal
 from tailslap.errors import InputError
 from tailslap.progress import announced, compiling, progress_bar

@@ -19,7 +19,7 @@ from tailslap.campaign import sampling
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import Array
 from tailslap.case.force_band import fraction_in_words
-from tailslap.case.impact.space import LIMIT_COLUMNS, LIMITS
+from tailslap.case.impact.space.answer import LIMIT_COLUMNS, LIMITS
 from tailslap.case.report_parts import design_forces_of, study_page, study_summary
 from tailslap.studies.sobol_tables import INDEX_METHOD, index_columns, main_source, with_intervals
 from tailslap.studies.tipping.tipping_study import (

@@ -26,7 +26,7 @@ from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import Array
 from tailslap.case.force_band import binomial_interval
 from tailslap.case.impact.case import ImpactCase
-from tailslap.case.impact.space import SpaceAnswer
+from tailslap.case.impact.space.answer import SpaceAnswer
 from tailslap.errors import InputError, Missing
 from tailslap.scene.vary import vary
 from tailslap.validation.outcomes import OutcomeRow, outcome_rows

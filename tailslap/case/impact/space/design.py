@@ -15,7 +15,7 @@ from postprocess.figures import space as drawings
 from postprocess.report.tables import Column, columns
 from postprocess.units import force, measure
 from solver.impact.strips import names_of_places
-from tailslap.case.impact import space_figures
+from tailslap.case.impact.space import figures
 
 if TYPE_CHECKING:
     from solver.space import SpaceMotion, SpaceVehicle, SpaceWall
@@ -73,7 +73,7 @@ def intrusions(vehicle: SpaceVehicle, wall: SpaceWall, motion: SpaceMotion) -> l
     Those over the wall have strip, its name, unit, intrusion behind the upper edge of the face and height [m], and
     instant [s].
     """
-    drawn, history, rows = space_figures.geometry(vehicle, wall), motion.history, list[dict[str, Any]]()
+    drawn, history, rows = figures.geometry(vehicle, wall), motion.history, list[dict[str, Any]]()
     names = strip_names(vehicle)
     edge, top = drawn.face[-1]
     for number, strip in enumerate(drawn.strips):
@@ -96,7 +96,7 @@ def intrusions(vehicle: SpaceVehicle, wall: SpaceWall, motion: SpaceMotion) -> l
 
 def exit_box(vehicle: SpaceVehicle, wall: SpaceWall, motion: SpaceMotion) -> ExitBox:
     """Return the exit box, and how far wheels reach."""
-    drawn, h = space_figures.geometry(vehicle, wall), motion.history
+    drawn, h = figures.geometry(vehicle, wall), motion.history
     fronts = np.cumsum([0.0, *(float(unit.hitch) - float(unit.kingpin) for unit in vehicle.units[1:])])
     total = max(front + unit.length for front, unit in zip(fronts, drawn.units, strict=True))
     margin, length = CAR if sum(unit.mass for unit in drawn.units) <= HEAVIEST_CAR else OTHER
@@ -117,7 +117,7 @@ def numbers(vehicle: SpaceVehicle, wall: SpaceWall, motion: SpaceMotion, outcome
     """Return moment, working width, intrusion and exit box, SI."""
     one = motion.answers
     over, box = intrusions(vehicle, wall, motion), exit_box(vehicle, wall, motion)
-    edge = float(space_figures.geometry(vehicle, wall).face[-1, 0])
+    edge = float(figures.geometry(vehicle, wall).face[-1, 0])
     moment, height = float(one.moment), float(one.moment_height)
     is_judged = outcome == "upright" and float(one.last_contact) < float(one.end)
     return {

@@ -1,0 +1,1 @@
+"""Vehicle in space of a scene with [body]."""
