@@ -20,7 +20,7 @@ from postprocess.svg.marks import Level, Line
 from postprocess.units import SI, US, measure
 from tailslap import cli, errors
 from tailslap.case.corner.corner_case import CornerCase
-from tailslap.case.impact import paper_method, report
+from tailslap.case.impact import paper_method, report_tables
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene
 from tailslap.scene.units import shown
@@ -182,7 +182,7 @@ def test_a_page_has_both_systems_and_its_switch_shows_one():
 def test_records_that_name_their_unit_are_in_american_units():
     """Occupant risk, and the moduli of the study of flexibility."""
     row = {"name": "THIV", "value": 9.144, "unit": "m/s", "time": 0.1, "lacks": ""}
-    risk = Table(report.RISK, [row]).in_units(US)
+    risk = Table(report_tables.RISK, [row]).in_units(US)
     assert [column.text(risk.rows[0]) for column in risk.columns[1:3]] == ["30", "ft/s"]
     stiff = Table(STIFF, [{"youngs_modulus": 200e9, "damping": 1.0}]).in_units(US)
     assert (stiff.columns[0].heading, stiff.columns[0].text(stiff.rows[0])) == ("E [ksi]", "2.90e+04")
@@ -199,12 +199,12 @@ def test_tables_of_an_impact_convert_before_they_round(monkeypatch):
     method = paper_method.paper_method(case.scene, case.answer)
     assert method is not None
     outcome: Any = SimpleNamespace(fe_plan=SimpleNamespace(case=case), paper_method=method)
-    (beside,) = report._paper(outcome)
+    (beside,) = report_tables.paper_table(outcome)
     assert second_columns(beside)[0] == (f"{method['impulse'] / KIP:.5g}", "kip s") == ("2.3556", "kip s")
     mean_forces = {f"{name}_mean_50ms": 12_345.6 for name in ("foundation", "contact")}
     state = {"deflection": 1.2345e-3, "place": 3.4567, "t": 0.12345, "foundation_force": 12_345.6}
-    monkeypatch.setattr(report, "wall_numbers", lambda outcome: state | mean_forces)
-    (wall,) = report._wall(outcome)
+    monkeypatch.setattr(report_tables, "wall_numbers", lambda outcome: state | mean_forces)
+    (wall,) = report_tables.wall_table(outcome)
     cells = [("0.048602", "in."), ("11.341", "ft"), ("0.12345", "s"), *[("2.7754", "kip")] * 3]
     assert second_columns(wall) == cells
 

@@ -26,6 +26,7 @@ from tailslap.case.impact import (
     paper_method,
     plan,
     report,
+    report_tables,
     run,
     strike_columns,
 )
@@ -251,7 +252,7 @@ def test_without_companions_no_error_is_stated():
     assert outcome.passed
     assert math.isnan(case.row(outcome)["numerical_error"])
     assert report.ImpactReport(outcome).headline.certainty.endswith("discretisation error not estimated.")
-    assert not report.errors_table(outcome).rows
+    assert not report_tables.errors_table(outcome).rows
     with pytest.raises(errors.InputError, match=r"remove verify\.companion"):
         case.run(1e-2)
 
@@ -588,7 +589,7 @@ def test_errors_are_reported_of_each_quantity():
     outcome = shipped()
     assert set(outcome.mesh_error) == {f"strike_{k}.{name}" for k in (1, 2) for name in error.QUANTITIES}
     assert report.ImpactReport(outcome).summary(False)["numerical_error"]["mesh"] == outcome.mesh_error
-    table = report.errors_table(outcome)
+    table = report_tables.errors_table(outcome)
     assert [row["strike"] for row in table.rows] == ["1 front", "2 rear"]
     assert [column.text(table.rows[1]) for column in table.columns[1:]] == [
         percent_up(outcome.mesh_error[f"strike_2.{name}"]) for name in error.QUANTITIES
@@ -778,7 +779,7 @@ WALL = {
 def test_a_wall_that_gives_deflects_and_its_foundation_carries_the_force():
     """The foundation carries the contact force except the inertia of the wall."""
     outcome = ran(*(f"{key}={value}" for key, value in WALL.items()))
-    h, wall = outcome.run.history, report.wall_numbers(outcome)
+    h, wall = outcome.run.history, report_tables.wall_numbers(outcome)
     assert wall is not None
     assert 2e-3 < wall["deflection"] < 6e-3  # of the size of the peak force over 2 k'/b, 3.3 mm
     assert h["foundation_impulse"][-1] == pytest.approx(h["normal_impulse"][-1], rel=0.05)

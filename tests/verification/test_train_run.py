@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from tailslap.case.impact import case as impact_case
-from tailslap.case.impact import checks, error, plan, report, run
+from tailslap.case.impact import checks, error, plan, report, report_tables, run
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.run_report import plate_sentence
@@ -96,7 +96,7 @@ def test_the_error_of_the_first_two_strikes_and_of_those_near_the_largest_is_sta
     outcome = case(plate__elements=(6, 2), plate__element="quad9", time__end=1.0).run()
     corners = [strike.corner for strike in error.assessed_strikes(outcome.fe)]
     assert corners == ["front", "trailer front", "rear", "trailer rear"]  # the third presses with the second
-    (hinge,), table = outcome.hinge_error, report.hinges_table(outcome)
+    (hinge,), table = outcome.hinge_error, report_tables.hinges_table(outcome)
     assert 1e-3 < hinge < 0.05
     assert report.ImpactReport(outcome).summary(pictures=False)["numerical_error"]["hinges"] == [hinge]
     assert [(row["model"], row["error"]) for row in table.rows] == [("FE", hinge), ("rigid", None)]

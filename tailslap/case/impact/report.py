@@ -4,28 +4,25 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass, replace
-from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.report import tables
 from postprocess.report.page import Headline, Section
-from postprocess.report.tables import Column, Table, columns
-from postprocess.signals import filters
-from postprocess.units import Units, force, measure, milliseconds, percent_up
+from postprocess.report.tables import Table
+from postprocess.units import Units, force, measure, percent_up
 from tailslap.case.check import failed_names, failed_sentence
 from tailslap.case.impact import checks, error, figures, run
-from tailslap.case.impact.answers import COMPANION, WEIGHT, ImpactAnswer, remarks
+from tailslap.case.impact import report_tables as tables
+from tailslap.case.impact.answers import COMPANION, WEIGHT, remarks
 from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import RigidImpact
 from tailslap.case.impact.rigid_input import above_wall
 from tailslap.case.impact.space import figures as space_figures
 from tailslap.case.impact.space.answer import section
-from tailslap.case.impact.space.design import MEANING, OVER, sentences
-from tailslap.case.report_parts import checks_section, design_ratios, design_table, short, strikes_table
+from tailslap.case.report_parts import checks_section, design_ratios, short, strikes_table
 from tailslap.case.run_report import (
     FeReport,
     Lines,
@@ -39,61 +36,8 @@ from tailslap.scene.schema import Scene
 FIRST = ("t", "x_g", "y_g", "theta", "omega", "v_gx", "v_gy", "force_normal", "force_tangential")
 """Columns in front of all others."""
 
-FORCE = (
-    Column("curve", "Force on the wall, largest"),
-    Column("fe", "Lateral, FE", "N", form="#.4g", style="strong"),
-    Column("rigid", "Lateral, rigid", "N", form="#.4g"),
-    Column("along", "Along the wall, FE", "N", form="#.3g"),
-)
-FORCE_IN_SPACE = (
-    FORCE[0],
-    Column("lateral", "Lateral", "N", form="#.4g", style="strong"),
-    *columns({"longitudinal": "Along the wall", "vertical": "Down"}, unit="N", form="#.3g"),
-)
-
-FORCE_NOTE = (
-    "Total of all contacts; each value is the largest of its own component. Design loads compare with the 50 ms mean: "
-    "raw and CFC 60 follow the unloading of a single contact, which the crush law simplifies."
-)
-DURATIONS = (
-    Column("curve", "Curve"),
-    *columns({"duration": "Valley to valley", "triangle": "Equal triangle"}, unit="ms", form=milliseconds),
-    Column("peak_force", "Peak", "N", form=".0f"),
-)
-RISK = (
-    Column("name", "Measure"),
-    Column("value", "Value", form=".3g", style="strong", unit_key="unit"),
-    Column("unit", "Unit", is_unit=True),
-    Column("time", "At", "s", form=".3f"),
-    Column("lacks", "Limitation"),
-)
-ERRORS = (
-    Column("strike", "Stated error"),
-    *(Column(name, words.capitalize(), form=percent_up) for name, words in error.QUANTITIES.items()),
-)
-HINGES = (
-    *columns({"title": "Hinge", "model": "Model"}),
-    Column("mean_50ms", "Force, 50 ms mean", "N", form="#.4g", style="strong"),
-    Column("error", "Stated error", form=lambda error: "–" if error is None else percent_up(error)),
-    Column("peak_force", "Peak, unfiltered", "N", form="#.4g"),
-    Column("largest_angle", "Largest angle", "rad", form=".2f"),
-)
-HINGE_NOTE = (
-    "The unfiltered peak force of the FE model contains elastic vibrations; its error is not estimated."
-)
-DURATIONS_NOTE = (
-    "The paper reads the duration of the tail-slap from valley to valley around the second peak of a measured curve, "
-    "and computes the force of a triangular pulse with it; here the duration is computed. A 50 ms mean extends an "
-    "isolated strike by 50 ms."
-)
-
-
 LEAST_CHANGE = 1e-6
 """Smallest effect of flexibility that the headline states as a bound [-]."""
-
-WALL_NOTE = (
-    "The rigid vehicle strikes a rigid wall. Contact force minus foundation force is the wall's inertia."
-)
 
 
 @dataclass(frozen=True)
@@ -138,71 +82,62 @@ class ImpactReport(FeReport):
     def sections(self) -> list[Section]:
         """Sections of the page, with empty ones, which are not shown."""
         outcome, case = self.outcome, self.outcome.fe_plan.case
-        design = _design_table(outcome)
-        levels = {row["name"]: row["force"] for row in design.rows if row["source"]}
-        loops, along = figures.contact_figures(outcome)
-        positions = figures.position_strip(outcome.fe, case.vehicles)
-        is_companion = bool(case.space)
-        in_space = section(case.space) if case.space else None
-        plane, forces = ", companion in the plane" if is_companion else "", force_table(outcome)
-        in_plane = [
-            Section(
-                f"Strikes{plane}",
-                tables=[_strikes(outcome), errors_table(outcome), *([forces] if is_companion else [])],
-                is_folded=is_companion,
-            ),
-            Section(
-                f"Motion and force{plane}",
-                figures=[positions, figures.force_figure(outcome, levels)],
-                layout="tall",
-                is_folded=is_companion,
-            ),
-            Section(
-                f"Units and hinges of the train{plane}",
-                figures=figures.train_figures(outcome),
-                tables=[hinges_table(outcome)],
-                layout="wide",
-                is_folded=is_companion,
-            ),
-            Section(
-                f"Energy and crush{plane}",
-                figures=[figures.energy_figure(outcome), *loops, *along],
-                layout="wide",
-                is_folded=is_companion,
-            ),
-            Section("Deformable wall", tables=_wall(outcome)),
-            Section(
-                f"The second strike's duration{plane}", tables=[durations_table(outcome.fe)], is_folded=True
-            ),
-        ]
+        loads, forces, in_space = tables.loads_table(outcome), tables.force_table(outcome), list[Section]()
+        if case.space:
+            motion = section(case.space)
+            in_space = [replace(motion, tables=[*motion.tables, tables.hinges_table(outcome, True)])]
+        risk = f"Occupant risk, {'in space' if case.space else 'planar'}"
+        risk += ", of the tractor" if outcome.fe.units > 1 else ""
         return [
-            _force_section(case, forces),
-            _design_section(case, design),
-            *(
-                [replace(in_space, tables=[*in_space.tables, hinges_table(outcome, True)])]
-                if in_space
-                else []
-            ),
-            *in_plane,
-            Section("Comparison with the paper's method", tables=_paper(outcome), is_folded=True),
-            Section(
-                f"Occupant risk, {'in space' if case.space else 'planar'}"
-                + (", of the tractor" if outcome.fe.units > 1 else ""),
-                tables=[Table(RISK, outcome.occupant_risk)],
-                is_folded=True,
-            ),
+            tables.force_section(case, forces),
+            tables.design_section(case, loads),
+            *in_space,
+            *self._sections_in_plane(loads, forces),
+            Section("Comparison with the paper's method", tables=tables.paper_table(outcome), is_folded=True),
+            Section(risk, tables=[Table(tables.RISK, outcome.occupant_risk)], is_folded=True),
             Section("Model", sentences=_statements(outcome), is_folded=True),
             checks_section(outcome.checks, checks.groups(outcome)),
+        ]
+
+    def _sections_in_plane(self, loads: Table, forces: Table) -> list[Section]:
+        """Return the sections of the motion in the plane.
+
+        They are folded for a companion of the motion in space.
+        """
+        outcome, case = self.outcome, self.outcome.fe_plan.case
+        plane = ", companion in the plane" if case.space else ""
+        levels = {row["name"]: row["force"] for row in loads.rows if row["source"]}
+        loops, along = figures.contact_figures(outcome)
+        energy = [figures.energy_figure(outcome), *loops, *along]
+        motion = [figures.position_strip(outcome.fe, case.vehicles), figures.force_figure(outcome, levels)]
+        strikes = [tables.strikes_of_models(outcome), tables.errors_table(outcome)]
+        strikes += [forces] if case.space else []
+        train, hinges = figures.train_figures(outcome), [tables.hinges_table(outcome)]
+        sections = (
+            Section(f"Strikes{plane}", tables=strikes),
+            Section(f"Motion and force{plane}", figures=motion, layout="tall"),
+            Section(f"Units and hinges of the train{plane}", figures=train, tables=hinges, layout="wide"),
+            Section(f"Energy and crush{plane}", figures=energy, layout="wide"),
+        )
+        durations = [tables.durations_table(outcome.fe)]
+        return [
+            *(replace(section, is_folded=bool(case.space)) for section in sections),
+            Section("Deformable wall", tables=tables.wall_table(outcome)),
+            Section(f"The second strike's duration{plane}", tables=durations, is_folded=True),
         ]
 
     @property
     def tables(self) -> list[Table]:
         """Design loads, strikes, hinges, forces and errors."""
         outcome, space = self.outcome, self.outcome.fe_plan.case.space
-        of_motion = strikes_table({"in space": space.strikes}) if space else _strikes(outcome)
-        strikes = replace(of_motion, notes=())
-        first = short(_design_table(outcome)), strikes, hinges_table(outcome, in_space=True)
-        return [*first, force_table(outcome), errors_table(outcome)]
+        of_motion = strikes_table({"in space": space.strikes}) if space else tables.strikes_of_models(outcome)
+        return [
+            short(tables.loads_table(outcome)),
+            replace(of_motion, notes=()),
+            tables.hinges_table(outcome, in_space=True),
+            tables.force_table(outcome),
+            tables.errors_table(outcome),
+        ]
 
     def omitted(self, pictures: bool) -> list[tuple[str, str]]:
         """List the parts that the scene omits."""
@@ -237,7 +172,7 @@ class ImpactReport(FeReport):
             "numerical_error": {"mesh": outcome.mesh_error}
             | ({"hinges": outcome.hinge_error} if outcome.hinge_error else {}),
             "occupant_risk": list(map(asdict, outcome.occupant_risk)),
-            "wall": wall_numbers(outcome),
+            "wall": tables.wall_numbers(outcome),
             "vehicle": {"centre_of_mass": case.vehicle.front_distance, "yaw_inertia": case.vehicle.inertia},
         }
 
@@ -287,124 +222,6 @@ def _uncertain(outcome: run.ImpactOutcome) -> str:
     return f"{of} within the discretisation error: {'; '.join(parts)}."
 
 
-def errors_table(outcome: run.ImpactOutcome) -> Table:
-    """Return the stated errors of strikes, if any."""
-    strikes = error.assessed_strikes(outcome.fe) if outcome.mesh_error else []
-    rows = [
-        {"strike": f"{1 + outcome.fe.strikes.index(strike)} {strike.corner}"}
-        | {name: outcome.mesh_error[f"strike_{number}.{name}"] for name in error.QUANTITIES}
-        for number, strike in enumerate(strikes, 1)
-    ]
-    return Table(ERRORS, rows)
-
-
-def hinges_table(outcome: run.ImpactOutcome, in_space: bool = False) -> Table:
-    """Return force and angle of the hinges of a train.
-
-    in_space: of the motion in space, if there is one.
-    """
-    models = {"FE": (outcome.fe, outcome.hinge_error), "rigid": (outcome.rigid, [])}
-    if in_space and (space := outcome.fe_plan.case.space):
-        models = {"in space": (space.answer, [])}
-    rows = [
-        {"title": f"Hinge {k}", "model": model, "error": error, **hinge}
-        for model, (answer, errors) in models.items()
-        for k, (hinge, error) in enumerate(zip_longest(answer.hinges, errors), 1)
-    ]
-    return Table(
-        HINGES, sorted(rows, key=lambda row: str(row["title"])), notes=(HINGE_NOTE,) if "FE" in models else ()
-    )
-
-
-def _strikes(outcome: run.ImpactOutcome) -> Table:
-    answers = {"FE": outcome.fe, "rigid": outcome.rigid}
-    return strikes_table({model: answer.numbers()["strikes"] for model, answer in answers.items()})
-
-
-def force_table(outcome: run.ImpactOutcome) -> Table:
-    """Return the largest forces in the plane by filter and component."""
-    fe, rigid, along = outcome.fe.peaks, outcome.rigid.peaks, filters.force_peaks(outcome.fe.longitudinal)
-    rows = [
-        {"curve": label, "fe": fe[k], "rigid": rigid[k], "along": along[k]}
-        for k, label in filters.LABELS.items()
-    ]
-    return Table(FORCE, rows)
-
-
-def _force_section(case: RigidImpact, table: Table) -> Section:
-    """Return the section of the wall force, in space or planar."""
-    if case.space:
-        table = Table(FORCE_IN_SPACE, [row | {"curve": row["name"]} for row in case.space.force_rows])
-    notes = FORCE_NOTE, *filter(None, [case.inertial_sentence])
-    return Section("Force on the wall", tables=[replace(table, notes=notes)])
-
-
-def durations_table(answer: ImpactAnswer) -> Table:
-    """Return the second strike's durations."""
-    rows = [{"curve": filters.LABELS[name], **values} for name, values in answer.second_strike.items()]
-    return Table(DURATIONS, rows, notes=(DURATIONS_NOTE,))
-
-
-def _design_table(outcome: run.ImpactOutcome) -> Table:
-    """Return the table of 50 ms means and design loads."""
-    longitudinal = float(outcome.fe.longitudinal["mean_50ms"].max())
-    case = outcome.fe_plan.case
-    in_space = case.space.numbers() if case.space else None
-    return design_table(case, outcome.mean_force, longitudinal, in_space)
-
-
-def _design_section(case: RigidImpact, loads: Table) -> Section:
-    """Return what the design of a wall takes from the impact."""
-    numbers = case.space.numbers() if case.space else None
-    over = numbers["intrusion"] if numbers else []
-    rows = [row | {"key": f"strip.{row['strip']}"} for row in over]
-    severity = f"Impact severity m (v sin(theta))^2/2: {measure(case.impact_severity, 'J', '.4g')}."
-    return Section(
-        "For the design",
-        tables=[loads, Table(OVER, rows, notes=(MEANING,))],
-        sentences=[severity, *(sentences(numbers) if numbers else ())],
-    )
-
-
-def _wall(outcome: run.ImpactOutcome) -> list[Table]:
-    """Return the response of a deformable wall, none for a rigid one."""
-    response = wall_numbers(outcome)
-    if response is None:
-        return []
-    rows = [
-        ("largest deflection of the face", 1e3 * response["deflection"], "mm"),
-        ("position along the wall", response["place"], "m"),
-        ("time", response["t"], "s"),
-        ("force of the foundation, 50 ms mean", response["foundation_mean_50ms"], "N"),
-        ("contact force, 50 ms mean", response["contact_mean_50ms"], "N"),
-        ("force of the foundation, largest", response["foundation_force"], "N"),
-    ]
-    return [tables.pairs(rows, notes=(WALL_NOTE,))]
-
-
-def _paper(outcome: run.ImpactOutcome) -> list[Table]:
-    """Return the paper's stages for the same vehicle.
-
-    There is none where the scene has not their input.
-    """
-    beside = outcome.fe_plan.case.paper_method
-    if beside is None:
-        return []
-    rigid = outcome.fe_plan.case.answer
-    rear = next((strike for strike in rigid.strikes if strike.corner == "rear"), None)
-    rows = [
-        ("impulse of the tail-slap, whole mass stopped", beside["impulse"], "N s"),
-        ("impulse of the rear strike, computed", rear.impulse if rear else None, "N s"),
-        (f"peak force with a duration of {beside['duration']:g} s", beside["peak_force"], "N"),
-    ]
-    if beside["computed_duration"]:
-        read = f"peak force with {1e3 * beside['computed_duration']:.0f} ms, the duration in the computed 50 ms mean"
-        rows.append((read, beside["computed_peak_force"], "N"))
-    rows.append(("50 ms mean, computed", rigid.peaks["mean_50ms"], "N"))
-    note = "Stages 1 to 3 assume a uniform rectangle."
-    return [tables.pairs(rows, notes=(note,))]
-
-
 def _statements(outcome: run.ImpactOutcome) -> list[str]:
     return [
         f"Unilateral contact: {', '.join(outcome.fe_plan.case.details())}.",
@@ -421,27 +238,6 @@ def _companion_sentences(case: RigidImpact) -> list[str]:
     names = ", ".join(f"strip.{number}" for number in above_wall(case.scene))
     above = f"; {names} above the wall omitted" if names else ""
     return [f"{COMPANION.capitalize()}{above}."] if case.space else []
-
-
-def wall_numbers(outcome: run.ImpactOutcome) -> dict[str, float] | None:
-    """Return deflection and forces of a deformable wall.
-
-    Largest deflection, its place and time, and the largest forces of foundation and contact. None for a rigid wall.
-    """
-    if outcome.fe_plan.case.scene.meshed_wall is None:
-        return None
-
-    h = outcome.run.history
-    k = int(np.argmax(h["wall_deflection"]))
-    mean = filters.moving_mean(h["force_foundation"][1:], outcome.fe.interval, 0.05)
-    return {
-        "deflection": float(h["wall_deflection"][k]),
-        "place": float(h["wall_deflection_place"][k]),
-        "t": float(h["t"][k]),
-        "foundation_force": float(h["force_foundation"].max()),
-        "foundation_mean_50ms": float(mean.max()),
-        "contact_mean_50ms": outcome.fe.peaks["mean_50ms"],
-    }
 
 
 def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
