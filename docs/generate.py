@@ -440,7 +440,8 @@ def _entries(body: str) -> str:
 
 def commands_page() -> str:
     """Return the page of help texts of commands."""
-    from tailslap.commands import commands, study_command
+    from tailslap.commands import commands
+    from tailslap.scene_commands import study_command
     from tailslap.studies import find_study, study_names
 
     every: Mapping[str, click.Command] = {

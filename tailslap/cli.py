@@ -30,7 +30,8 @@ gc.set_threshold(400_000, 20, 10)
 
 from machine_code.system.operating_system import ENDING  # noqa: E402
 from tailslap import errors  # noqa: E402
-from tailslap.commands import COMPLETE, DONE, commands  # noqa: E402
+from tailslap.commands import COMPLETE, commands  # noqa: E402
+from tailslap.delivery import DONE  # noqa: E402
 
 WRONG_INPUT, CANNOT_RUN, INTERRUPTED = 2, 3, 130
 """Exit statuses of other commands; CANNOT_RUN: the installation or the machine is insufficient."""

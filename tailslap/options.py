@@ -18,6 +18,8 @@ from tailslap import progress
 from tailslap.arguments import UnitSystem, picture_pixels
 from tailslap.scene import read, schema
 
+option = partial(click.option, show_default=True)
+
 WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
 REAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 MAX_RUNS = 1_000_000
@@ -160,12 +162,24 @@ PRINTED = (UNITS, JSON, QUIET)
 """Options of the printed output."""
 WATCHED = (*PRINTED, PROGRESS)
 """Options of a command that shows progress."""
+PICTURE_SIZE = click.Option(
+    ["--picture-size"],
+    type=PictureSize(),
+    metavar="WIDTHxHEIGHT",
+    help="Pixels of the pictures; letters and lines are in proportion  [default: 1600x700, of animations less]",
+)
 FORCE = click.Option(["--force"], is_flag=True, help="Replace the result of another command or scene.")
 FORCE_READ = click.Option(
     ["--force"],
     is_flag=True,
     help="Replace the result of another command or scene; read the intact files of a damaged one.",
 )
+
+
+def place_option(ending: str = "") -> click.Option:
+    """Return the option of a result folder with its default."""
+    default = f"results/NAME+CHANGES{ending}"
+    return click.Option(["--out"], type=Folder(), help=f"Result folder  [default: {default}]")
 
 
 def with_options(*options: click.Parameter) -> Callable[[Callable[..., int]], Callable[..., int]]:

@@ -20,7 +20,7 @@ from click.testing import CliRunner
 from processes import imported
 
 from postprocess.report.provenance import CRATE
-from tailslap import commands as command_line
+from tailslap import delivery, scene_commands
 from tailslap.cli import _status, commands
 from tailslap.storage import folder
 from tailslap.studies import study as study_record
@@ -295,7 +295,7 @@ def test_every_command_names_its_folder_by_the_changes(monkeypatch):
         places.append(folder.default_place(*arguments).name)
         raise KeyboardInterrupt
 
-    for module in (command_line, study_record):
+    for module in (delivery, scene_commands, study_record):
         monkeypatch.setattr(module, "default_place", place)
     changed = ["mash-tl4-sut", "--set", "vehicle.mass=9 t"]
     studies = [f"study {name}" for name in study_names() if name != "tipping"]

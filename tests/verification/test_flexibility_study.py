@@ -15,7 +15,7 @@ from test_levels import SWEEP
 
 from postprocess.comparison.quantities import KEYS, largest_relative, relative_difference
 from postprocess.report.command_report import report_text, write_report
-from tailslap import cli, commands
+from tailslap import cli, delivery
 from tailslap.case.corner import corner_run
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.plate_input import plate_density, three_meshes
@@ -418,7 +418,7 @@ def test_exit_status_where_nothing_passed(plan, tmp_path, monkeypatch, capsys):
 
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_fail)
     arguments = ["study", "flexibility", "paper-abaqus", "--set", *SMALL, "--out", str(tmp_path / "out")]
-    assert cli._status(arguments) == commands.CHECK_FAILED
+    assert cli._status(arguments) == delivery.CHECK_FAILED
     assert "no run passed its checks" in " ".join(capsys.readouterr().out.split())
     assert "failed</span>" in (tmp_path / "out" / "report.html").read_text()
 

@@ -19,7 +19,7 @@ from postprocess.comparison.quantities import KEYS
 from tailslap.case import case_of
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.cli import DONE, WRONG_INPUT, _status
-from tailslap.commands import CHECK_FAILED
+from tailslap.delivery import CHECK_FAILED
 from tailslap.modal_analysis import modes_with_errors
 from tailslap.modal_run import modal_run
 from tailslap.scene.read import read_scene
