@@ -185,11 +185,11 @@ def draw_energies(t: Floats, kinetic: Floats, parts: Mapping[str, Floats], strik
     return chart.Chart("energies", caption, (plot,), START, "Energy", chart.HALF)
 
 
-def draw_side_force(t: Floats, distances: Floats, force: Floats, unit: str, strikes: Strikes = ()) -> Chart:
+def draw_side_force(t: Floats, distances: Floats, force: Floats, strikes: Strikes = ()) -> Chart:
     """Draw the contact force over the distance from the front and time.
 
-    t [s], shape (n,), even; distances of the nodes [m], rising from 0, shape (k,); force, shape (n, k), in `unit`,
-    for example "kN" of each node or "kN/m". Cells without force are empty.
+    t [s], shape (n,), even; distances of the nodes [m], rising from 0, shape (k,); force of each, shape (n, k)
+    [kN]. Cells without force are empty.
     """
     caption = "Contact force along the side that faces the wall, over time"
     edges = np.concatenate([distances[:1], 0.5 * (distances[1:] + distances[:-1]), distances[-1:]])
@@ -199,13 +199,13 @@ def draw_side_force(t: Floats, distances: Floats, force: Floats, unit: str, stri
     pressed, shades = table[column, row], Shades(float(table.max()) or 1.0, 0.0)
     along, across = (np.stack([ends[k], ends[k + 1]], -1) for ends, k in ((times, column), (edges, row)))
     texts, places = (
-        [measure(value, unit, ".4g") for value in pressed],
+        [measure(value, "kN", ".4g") for value in pressed],
         zip(times[column], distances[row], strict=True),
     )
     at = [f"{time:.4g} s; {measure(place, 'm', '.4g')}" for time, place in places]
     cells = Boxes("force", along, across, shades.colours(pressed), texts, at)
     x = replace(START, high=float(t[-1]))
     y = chart.Axis("distance from the front [m]", low=float(edges[-1]), high=float(edges[0]))
-    keys = [Swatch(*colour_key) for colour_key in shades.keys(unit)]
+    keys = [Swatch(*colour_key) for colour_key in shades.keys("kN")]
     plot = chart.Plot((*keys, cells, *shaded(strikes)), y, 200.0, nearest="xy", has_grid=False)
     return chart.Chart("side-force", caption, (plot,), x, "Force", chart.HALF)

@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 
 from tailslap.campaign.input_ranges import Range
 from tailslap.case import resources
-from tailslap.case.force_band import PERCENTILES as PERCENTILES
-from tailslap.case.force_band import percentile_names
+from tailslap.case.force_band import PERCENTILES, percentile_names
 
 if TYPE_CHECKING:
     from tailslap.campaign.records import Record

@@ -18,7 +18,7 @@ from tailslap import errors
 from tailslap.arguments import checked_arguments
 from tailslap.scene import schema, units, write
 from tailslap.scene.validate import value_in
-from tailslap.scene.vary import Source, depth_exceeds, parse_changes, vary
+from tailslap.scene.vary import Source, parse_changes, vary
 
 Scene = str | os.PathLike[str] | Mapping[str, Any]
 """Name of a scene of the program, path of a TOML file, or tables of a scene."""
@@ -120,16 +120,15 @@ def read_scene(name: str, changes: Iterable[str] = ()) -> tuple[schema.Scene, So
     return vary(source, parse_changes(changes, source.tables))
 
 
-def read_source(scene: Scene, text: str | None = None) -> Source:
+def read_source(scene: Scene) -> Source:
     """Read a scene's tables, without validation.
 
-    text: of the file, where it is available. A scene without the key `name` takes that of the file, tables "scene".
-    Raises InputError.
+    A scene without the key `name` takes that of the file, tables "scene". Raises InputError.
     """
     if isinstance(scene, Mapping):
         return Source(tables={"name": "scene"} | plain(scene))
     name = os.fspath(scene)
-    source = source_of_text(scene_text(name) if text is None else text, name)
+    source = source_of_text(scene_text(name), name)
     return replace(source, tables={"name": Path(name).stem} | source.tables)
 
 
@@ -156,10 +155,23 @@ def source_of_text(text: str, name: str = "SCENE") -> Source:
         hint = f"; {units.COMMA}" if DECIMAL_COMMA.search(text) else ""
         why = f"{errors.shortened(str(error))}{hint}"
         raise errors.InputError(name, errors.Verbatim("a file that is not TOML"), why) from None
-    if depth_exceeds(tables, MAX_DEPTH):
+    if _is_too_deep(tables):
         allowed = f"the limit is {MAX_DEPTH} levels"
         raise errors.InputError(name, errors.Verbatim("tables or lists nested too deep"), allowed)
     return Source(text.rstrip("\n") + "\n", tables)
+
+
+def _is_too_deep(value: object) -> bool:
+    """Return True if tables and lists are nested deeper than `MAX_DEPTH`."""
+    level = [value]
+    for _ in range(MAX_DEPTH + 1):
+        level = [
+            inner
+            for outer in level
+            if isinstance(outer, Mapping | list)
+            for inner in (outer.values() if isinstance(outer, Mapping) else outer)
+        ]
+    return bool(level)
 
 
 def scene_text(name: str) -> str:

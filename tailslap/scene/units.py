@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from postprocess.units import FOOT, INCH, KIP, MPH, POUND, SYSTEMS
 from tailslap.errors import nearest
@@ -58,31 +58,21 @@ RECIPROCAL = re.compile(r"1\s*(?=/)")
 NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(\S.*?)?\s*", re.DOTALL)
 
 
-class Factor(NamedTuple):
-    """Name of a unit and its power.
+def unit_factors(text: str) -> tuple[tuple[str, int], ...]:
+    """Split a unit into its factors, each a name and its power.
 
-    Powers are 1 to 9 and -9 to -1.
-    """
-
-    name: str
-    power: int
-
-
-def unit_factors(text: str) -> tuple[Factor, ...]:
-    """Split a unit into its factors.
-
-    Raises ValueError for text that is not a unit.
+    Powers are 1 to 9 and -9 to -1. Raises ValueError for text that is not a unit.
     """
     if len(text) > MAX_UNIT:
         raise ValueError("too long")
-    at, factors, sign = 0, [], 1
+    at, factors, sign = 0, list[tuple[str, int]](), 1
     if match := RECIPROCAL.match(text):
         at, sign = _join(text, match.end())
     while True:
         match = FACTOR.match(text, at)
         if not match:
             raise ValueError("it is not the name of a unit")
-        factors.append(Factor(match[1], sign * int(match[2] or 1)))
+        factors.append((match[1], sign * int(match[2] or 1)))
         if match.end() == len(text):
             return tuple(factors)
         at, sign = _join(text, match.end())
@@ -145,7 +135,14 @@ class Quantity:
     def __get_pydantic_core_schema__(self, source: object, handler: object) -> "CoreSchema":
         from pydantic_core import core_schema
 
-        return core_schema.no_info_plain_validator_function(self.parse)
+        return core_schema.with_info_plain_validator_function(self.validated)
+
+    def validated(self, entry: object, info: "ValidationInfo") -> Any:
+        """Return the value of a key, see `parse`.
+
+        info: the keys of its table that come first.
+        """
+        return self.parse(entry)
 
     def parse(self, entry: object) -> float:
         """Return the value in SI.
@@ -208,12 +205,7 @@ class OfStrip(Quantity):
 
     of_point: Quantity = None  # type: ignore[assignment]  # fields with defaults precede it
 
-    def __get_pydantic_core_schema__(self, source: object, handler: object) -> "CoreSchema":
-        from pydantic_core import core_schema
-
-        return core_schema.with_info_plain_validator_function(self.parse_of_strip)
-
-    def parse_of_strip(self, entry: object, info: "ValidationInfo") -> float:
+    def validated(self, entry: object, info: "ValidationInfo") -> float:
         """Return the value in SI, see `parse`."""
         at = info.data.get("at", (0.0, 0.0))
         is_point = info.data.get("height") is None and at[0] == at[1]
@@ -224,12 +216,7 @@ class OfStrip(Quantity):
 class Pair(Quantity):
     """Two numbers of a scene, or one that stands for both."""
 
-    def __get_pydantic_core_schema__(self, source: object, handler: object) -> "CoreSchema":
-        from pydantic_core import core_schema
-
-        return core_schema.no_info_plain_validator_function(self.parse_pair)
-
-    def parse_pair(self, entry: object) -> tuple[float, float]:
+    def validated(self, entry: object, info: "ValidationInfo") -> tuple[float, float]:
         """Return both values in SI.
 
         Raises ValueError, see `parse`, and for another number of values.
@@ -244,12 +231,7 @@ class Pair(Quantity):
 class Levels(Quantity):
     """Number of a scene, or pairs of heights and numbers."""
 
-    def __get_pydantic_core_schema__(self, source: object, handler: object) -> "CoreSchema":
-        from pydantic_core import core_schema
-
-        return core_schema.no_info_plain_validator_function(self.parse_levels)
-
-    def parse_levels(self, entry: object) -> tuple[tuple[float, float], ...]:
+    def validated(self, entry: object, info: "ValidationInfo") -> tuple[tuple[float, float], ...]:
         """Return heights [m] and values in SI.
 
         A single value is at height 0. Raises ValueError, see `parse`, and for other pairs.

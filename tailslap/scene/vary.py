@@ -190,19 +190,6 @@ def changes_of(source: Source) -> list[str]:
     return [*shown({key: value_in(source.tables, key) for key in sorted(source.changed)})]
 
 
-def depth_exceeds(value: object, most: int) -> bool:
-    """Return True if tables and lists are nested deeper than `most`."""
-    level = [value]
-    for _ in range(most + 1):
-        level = [
-            inner
-            for outer in level
-            if isinstance(outer, Mapping | list)
-            for inner in (outer.values() if isinstance(outer, Mapping) else outer)
-        ]
-    return bool(level)
-
-
 def shown(changes: Changes) -> tuple[str, ...]:
     """Return the changes as texts of --set."""
     return tuple(f"{key}={_value_text(value)}" for key, value in changes.items())

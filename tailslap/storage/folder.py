@@ -90,7 +90,10 @@ def demand_result(place: Path, force: bool, origin: Origin) -> None:
     names = visible_names(place)
     if manifest.read_manifest(place) is None or SWEEP in names:
         if names or errors.is_there(place / manifest.NAME):
-            raise foreign_files(place, names or [manifest.NAME], ALLOWED)
+            names = names or [manifest.NAME]
+            listed = ", ".join(names[:2]) + (", ..." if names[2:] else "")
+            why = f"the folder contains other files ({listed}); {ALLOWED}"
+            raise errors.InputError("--out", str(place), why)
         return
     earlier(place)
     present = manifest.read_origin(place)
@@ -337,12 +340,6 @@ def _remove_folders(folders: list[Path]) -> None:
     with contextlib.suppress(OSError):
         for folder in folders:
             folder.rmdir()
-
-
-def foreign_files(place: Path, names: list[str], allowed: str) -> errors.InputError:
-    """Return the error for other files."""
-    listed = ", ".join(names[:2]) + (", ..." if names[2:] else "")
-    return errors.InputError("--out", str(place), f"the folder contains other files ({listed}); {allowed}")
 
 
 def _refusal(place: Path, why: str) -> errors.InputError:

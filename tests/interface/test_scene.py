@@ -168,7 +168,6 @@ def test_a_file_without_a_name_takes_its_own(tmp_path, refused):
     path.write_text(text.replace('name = "mash-tl4-sut"', ""))
     assert read_scene(str(path))[0].name == "van"
     assert refused(vary, source_of_text(path.read_text()), {}) == "name"
-    assert read_source("opened.toml", path.read_text()).tables["name"] == "opened"
 
 
 def test_a_partial_start_takes_the_rest_from_stage_one():

@@ -199,9 +199,9 @@ def test_layers_end_at_what_was_given_up():
 def test_contact_of_one_instant_is_seen():
     """A cell has the largest force of its time."""
     force = np.zeros((T.size, 5))
-    plain = impact.draw_side_force(T, np.linspace(0.0, 10.0, 5), force, "kN")
+    plain = impact.draw_side_force(T, np.linspace(0.0, 10.0, 5), force)
     force[1777, 2] = 300.0
-    chart = impact.draw_side_force(T, np.linspace(0.0, 10.0, 5), force, "kN", STRIKES)
+    chart = impact.draw_side_force(T, np.linspace(0.0, 10.0, 5), force, STRIKES)
     assert samples(plain) == []
     svg = chart.svg
     (cells,) = samples(chart)

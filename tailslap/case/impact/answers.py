@@ -3,17 +3,22 @@
 Strikes, filtered forces and their peaks, the duration of the second strike, occupant risk.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from postprocess.signals import filters, occupant, strike_duration
 from solver.impact import ImpactMotion, ImpactVehicle, Strike, group_names, outermost, strikes_of
 from solver.impact.counting import LIGHT
+
+if TYPE_CHECKING:
+    from fem.run.impact import ImpactRun
 
 END = ("t", "theta", "omega", "v_gx", "v_gy")
 """Columns of the state at the end of an impact."""
@@ -351,33 +356,23 @@ def remarks(answer: ImpactAnswer) -> list[str]:
 
 
 def sampled_answer(
-    history: Columns,
-    points: np.ndarray,
-    normal: np.ndarray,
-    tangential: np.ndarray,
-    place: np.ndarray,
-    group: np.ndarray,
-    names: Sequence[str],
-    ends: tuple[int, int],
-    units: int = 1,
+    history: Columns, run: ImpactRun, names: Sequence[str], ends: tuple[int, int], units: int
 ) -> ImpactAnswer:
     """Return an impact from sampled contact forces.
 
-    history: as of `ImpactAnswer`; points, shape (2, points): places in the body frame of their unit, the front corner
-    on the wall's side at the origin [m]; normal, tangential, shape (rows, points): mean forces since the row before
-    [N]; place: along the wall [m]; group: of each point, the number of its name in `names`; ends: groups of the ends of
-    `ImpactAnswer`.
+    history: as of `ImpactAnswer`; run: with the forces of its points; names: of the groups of points; ends: groups of
+    the ends of `ImpactAnswer`; units: of the train.
     """
     pushes, drags, stations, places = {}, {}, {}, {}
-    for i in np.unique(group):
-        name, members = names[i], group == i
-        force = normal[1:, members]
+    for i in np.unique(run.group):
+        name, members = names[i], run.group == i
+        force = run.normal[1:, members]
         total = force.sum(axis=1)
         if not total.any():
             continue
-        pushes[name], drags[name] = total, tangential[1:, members].sum(axis=1)
+        pushes[name], drags[name] = total, run.tangential[1:, members].sum(axis=1)
         weight = np.where(total > 0.0, total, 1.0)
-        stations[name] = force @ -points[0, members] / weight
-        places[name] = (force * place[1:, members]).sum(axis=1) / weight
+        stations[name] = force @ -run.points[0, members] / weight
+        places[name] = (force * run.place[1:, members]).sum(axis=1) / weight
     strikes = strikes_of(history["t"], pushes, drags, stations, places)
     return ImpactAnswer(strikes, history, units, pushes, (names[ends[0]], names[ends[1]]))

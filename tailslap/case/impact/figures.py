@@ -144,7 +144,7 @@ def contact_figures(outcome: ImpactOutcome) -> tuple[list[Chart], list[Chart]]:
         distances, places = np.unique(np.round(-run.points[0, order], 9), return_inverse=True)
         force = np.zeros((len(run.normal), distances.size))
         np.add.at(force.T, places, run.normal[:, order].T / 1e3)
-        along.append(impact.draw_side_force(run.history["t"], distances, force, "kN", marks(outcome.fe)))
+        along.append(impact.draw_side_force(run.history["t"], distances, force, marks(outcome.fe)))
     return [impact.draw_loops(loops)] if loops else [], along
 
 

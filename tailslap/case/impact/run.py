@@ -167,10 +167,9 @@ def _answer(fe_plan: plan.ImpactPlan, run: ImpactRun) -> answers.ImpactAnswer:
             for forces_of in (run.normal, run.tangential)
         ]
         history = history | run.units[0] | answers.train_columns(run.units, np.array(forces), run.hinges)
-    points = run.points, run.normal, run.tangential, run.place, run.group
     case = fe_plan.case
     ends = outermost(case.contact, case.lengths)
-    return answers.sampled_answer(history, *points, case.names, ends, len(case.vehicles))
+    return answers.sampled_answer(history, run, case.names, ends, len(case.vehicles))
 
 
 def assessed(case: RigidImpact) -> ImpactOutcome:

@@ -18,7 +18,7 @@ from solver.space import OUTCOMES
 from tailslap.campaign import sampling
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import Array
-from tailslap.case.force_band import fraction_in_words
+from tailslap.case.force_band import PERCENTILES, fraction_in_words
 from tailslap.case.impact.space.answer import LIMIT_COLUMNS, LIMITS
 from tailslap.case.report_parts import design_forces_of, study_page, study_summary
 from tailslap.studies.sobol_tables import INDEX_METHOD, index_columns, main_source, with_intervals
@@ -200,7 +200,7 @@ def distribution(columns: Mapping[str, Array]) -> Record:
     """Return fraction upright with interval, and percentiles of the answers."""
     upright = int((columns["outcome"] == 0.0).sum())
     low, high = binomial_interval(np.array([upright]), columns["outcome"].size)[:, 0].tolist()
-    bands = {name: np.percentile(columns[name], sampling.PERCENTILES).tolist() for name in BANDS}
+    bands = {name: np.percentile(columns[name], PERCENTILES).tolist() for name in BANDS}
     fraction = upright / columns["outcome"].size
     words = fraction_in_words(fraction, columns["outcome"].size)
     return {"upright": fraction, "words": words, "interval": [low, high], **bands}
@@ -323,7 +323,7 @@ def _walls(result: TippingResult) -> Record:
         "upright_high": high,
     }
     for name in BANDS:
-        ends = zip(sampling.PERCENTILES, result.band(name), strict=True)
+        ends = zip(PERCENTILES, result.band(name), strict=True)
         columns |= {f"{name}_{percent}": values for percent, values in ends}
     return columns
 

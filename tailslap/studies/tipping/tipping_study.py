@@ -24,7 +24,7 @@ from tailslap.campaign import engine, sampling, space_samples
 from tailslap.campaign.input_ranges import Range
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import Array
-from tailslap.case.force_band import binomial_interval
+from tailslap.case.force_band import PERCENTILES, binomial_interval
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.space.answer import SpaceAnswer
 from tailslap.errors import InputError, Missing
@@ -150,7 +150,7 @@ class TippingResult:
 
     def band(self, name: str) -> Array:
         """Return the percentiles of an answer by wall, shape (3, n)."""
-        return np.percentile(self.answers[name], sampling.PERCENTILES, axis=1)
+        return np.percentile(self.answers[name], PERCENTILES, axis=1)
 
 
 def lowest_wall(walls: Array, fractions: Array, level: float) -> float:

@@ -14,8 +14,8 @@ from postprocess.svg.chart import Chart
 from postprocess.units import force, grouped
 from tailslap.campaign.planar_ranges import used_keys
 from tailslap.campaign.records import Record
-from tailslap.campaign.sampling import PERCENTILES, SEED, points_in_words
-from tailslap.case.force_band import central_part
+from tailslap.campaign.sampling import SEED, points_in_words
+from tailslap.case.force_band import PERCENTILES, central_part
 from tailslap.case.impact.strike_columns import LARGEST, QUANTITIES
 from tailslap.case.report_parts import design_forces_of, short, study_page, study_summary
 from tailslap.scene.write import scene_inputs
