@@ -10,19 +10,10 @@ from typing import Any
 import click
 
 import tailslap
-from tailslap import errors, options, studies
+from tailslap import delivery, errors, options, studies
 from tailslap.arguments import UnitSystem
 from tailslap.case import case_of
 from tailslap.case.case import Case
-from tailslap.delivery import (
-    conclude,
-    deliver,
-    deliver_case,
-    remark_on,
-    scene_with_remarks,
-    show,
-    takes_a_case,
-)
 from tailslap.exports import SOLVERS
 from tailslap.scene.vary import changes_of
 from tailslap.storage.folder import commit, default_place, result_folder
@@ -68,7 +59,7 @@ def run(
     from tailslap.campaign.records import program
     from tailslap.storage import checkpoints
 
-    scene, source = scene_with_remarks(name, changes)
+    scene, source = delivery.scene_with_remarks(name, changes)
     case = case_of(scene, source)
     place = out or default_place(scene.name, case.changes)
     origin = Origin("run", scene.name, case.changes)
@@ -89,17 +80,17 @@ def run(
             commit(folder.parent, origin)  # results are stored even if the pictures fail
         if not no_pictures:
             report = result.fill(folder, True, units)
-    return conclude(report, place, as_json, most=math.inf if full else SCREEN)
+    return delivery.conclude(report, place, as_json, most=math.inf if full else SCREEN)
 
 
 @click.command()
-@takes_a_case
+@delivery.takes_a_case
 @options.with_options(options.NO_BAND, *options.PRINTED)
 def rigid(case: Case, no_band: bool, as_json: bool, units: UnitSystem) -> int:
     """Solve the rigid-body method, or the whole impact of the rigid vehicle."""
     if as_json and units == "us":
         raise errors.InputError("--units", units, "--json is always in SI; remove one of the two options")
-    return show(tailslap.rigid(case, units=units, band=not no_band), as_json)
+    return delivery.show(tailslap.rigid(case, units=units, band=not no_band), as_json)
 
 
 class Studies(click.Group):
@@ -134,10 +125,10 @@ def study_command(chosen: Study) -> click.Command:
         from tailslap import api
 
         folder, allow_large, force = (settings.pop(key) for key in ("out", "allow_large", "force"))
-        case = case_of(*scene_with_remarks(name, changes))
+        case = case_of(*delivery.scene_with_remarks(name, changes))
         place, origin = prepared(chosen, case, folder, allow_large, settings)
         compute = functools.partial(api.study_result, chosen, case, place, settings)
-        return deliver(compute, place, origin, as_json, units, force=force)
+        return delivery.deliver(compute, place, origin, as_json, units, force=force)
 
     return click.Command(chosen.name, params=[*shared, *chosen.options], callback=run, help=chosen.summary)
 
@@ -193,17 +184,17 @@ def sweep(
     from tailslap.campaign.sweep_run import StoppedError, sweep_result
 
     definition = make_definition(name, changes, varied, sample, seed)
-    remark_on(varied_source(definition))
+    delivery.remark_on(varied_source(definition))
     place = out or default_place(definition.scene, changes_of(definition.source), "-sweep")
     try:
-        return show(sweep_result(definition, place, **execution), as_json)
+        return delivery.show(sweep_result(definition, place, **execution), as_json)
     except StoppedError as stopped:
         click.echo(f"tailslap: {stopped}", err=True)
         return stopped.status
 
 
 @click.command()
-@takes_a_case
+@delivery.takes_a_case
 @options.with_options(options.ALLOW_LARGE)
 @options.option("--with", "program", type=click.Choice(SOLVERS), default=SOLVERS[0], help="Solver.")
 @options.option(
@@ -220,33 +211,33 @@ def confirm(case: Case, out: Path | None, force: bool, units: str, as_json: bool
     limit, 3 if the solver fails.
     """
     compute = functools.partial(tailslap.confirm, case, **arguments)
-    return deliver_case("confirm", case, compute, out, as_json, units, force)
+    return delivery.deliver_case("confirm", case, compute, out, as_json, units, force)
 
 
 @click.command()
-@takes_a_case
+@delivery.takes_a_case
 @options.with_options(options.ALLOW_LARGE, *options.PRINTED)
 def check(case: Case, as_json: bool, **arguments: Any) -> int:
     """Show model, automatic choices and estimated cost of a run.
 
     Nothing is run.
     """
-    return show(tailslap.check(case, **arguments), as_json)
+    return delivery.show(tailslap.check(case, **arguments), as_json)
 
 
 @click.command()
-@takes_a_case
+@delivery.takes_a_case
 @options.with_options(options.ALLOW_LARGE)
 @options.option("--count", type=options.Whole(1, 1000), default=10, help="Number of elastic modes.")
 @options.with_options(options.place_option("-modes"), options.FORCE, *options.WATCHED)
 def modes(case: Case, out: Path | None, force: bool, units: str, as_json: bool, **arguments: Any) -> int:
     """Compute the natural frequencies and mode shapes of the free plate."""
     compute = functools.partial(tailslap.modes, case, **arguments)
-    return deliver_case("modes", case, compute, out, as_json, units, force)
+    return delivery.deliver_case("modes", case, compute, out, as_json, units, force)
 
 
 @click.command()
-@takes_a_case
+@delivery.takes_a_case
 @options.with_options(options.ALLOW_LARGE)
 @options.option(
     "--modes", type=options.Whole(1, 200), default=4, help="Number of elastic modes, lowest first."
@@ -261,11 +252,11 @@ def modes(case: Case, out: Path | None, force: bool, units: str, as_json: bool, 
 @options.with_options(*options.PRINTED)
 def modal(case: Case, as_json: bool, **arguments: Any) -> int:
     """Run a scene with the modal model of the plate."""
-    return show(tailslap.modal(case, **arguments), as_json)
+    return delivery.show(tailslap.modal(case, **arguments), as_json)
 
 
 @click.command()
-@takes_a_case
+@delivery.takes_a_case
 @options.with_options(options.place_option("-parapet"), options.NO_BAND, options.FORCE, *options.WATCHED)
 def parapet(case: Case, out: Path | None, no_band: bool, force: bool, units: str, as_json: bool) -> int:
     """Compare the strength of the parapet with the force of the impact.
@@ -274,4 +265,4 @@ def parapet(case: Case, out: Path | None, no_band: bool, force: bool, units: str
     1 if there is no proof, or the bounds differ by more than 1 %.
     """
     compute = functools.partial(tailslap.parapet, case, band=not no_band)
-    return deliver_case("parapet", case, compute, out, as_json, units, force)
+    return delivery.deliver_case("parapet", case, compute, out, as_json, units, force)

@@ -11,7 +11,7 @@ import numpy as np
 import tailslap
 from postprocess.comparison.records import ComparedQuantity
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
-from postprocess.report.command_report import Report, write_report
+from postprocess.report.command_report import PAGE, Report, write_report
 from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table, columns
 from postprocess.report.terminal import concluded, place_line
@@ -29,8 +29,6 @@ from tailslap.result.columns import read_columns
 from tailslap.scene import vary
 from tailslap.scene.write import scene_text
 
-REPORT: str = "report.html"
-SUMMARY: str = "summary.json"
 MAX_LISTED = 15
 """Most rows that the page lists among those that did not pass."""
 
@@ -93,7 +91,7 @@ def sweep_text(sweep: FinishedSweep, place: Path | None) -> str:
             f"{effort.runs} runs in {clock(effort.wall_s)}, workers: {effort.threads}, {effort.rate:.3g} runs/s, "
             f"{1e3 * effort.overhead_s:.1f} ms overhead per run"
         )
-    files = place and (place_line("Table: ", place / TABLE), place_line("Report:", place / REPORT))
+    files = place and (place_line("Table: ", place / TABLE), place_line("Report:", place / PAGE))
     assert sweep.report
     return concluded(sweep.report.page.headline, f"Cost:   {cost}", places=files or ())
 

@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from postprocess.report.command_report import write_report
+from postprocess.report.command_report import PAGE, SUMMARY, write_report
 from tailslap import progress
 from tailslap.arguments import UnitSystem, checked_arguments
 from tailslap.campaign import engine, pools, records, sweep_report, sweep_table
@@ -37,7 +37,7 @@ LOST, INTERRUPTED = 3, 130
 """Exit statuses of a lost machine and of an interruption."""
 
 DEFINITION, RECORDS = "sweep.json", "records.sqlite"
-RESULTS = (sweep_table.TABLE, sweep_report.REPORT, sweep_report.SUMMARY)
+RESULTS = (sweep_table.TABLE, PAGE, SUMMARY)
 """Files that are rewritten when the sweep is resumed. A file that the user has added or changed is not replaced."""
 
 Values = str | Sequence[object]

@@ -22,16 +22,9 @@ from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table, pairs
 from postprocess.units import SI, Units, duration, number
-from tailslap.case import resources
+from tailslap.case import report_parts, resources
 from tailslap.case.case import NO_BAND, FePlan, Outcome
 from tailslap.case.force_band import ForceBand
-from tailslap.case.report_parts import (
-    design_ratios,
-    failed_section,
-    footer,
-    passed_text,
-    published_section,
-)
 from tailslap.case.run_fields import field_series
 from tailslap.scene import write
 
@@ -152,7 +145,7 @@ class FeReport(ABC):
             "passed": outcome.passed,
             "force_band": self.band.numbers(),
             "checks": [asdict(check) for check in outcome.checks],
-            "design_forces": design_ratios(fe_plan.case, outcome.mean_force),
+            "design_forces": report_parts.design_ratios(fe_plan.case, outcome.mean_force),
             "chosen": [asdict(decision) for decision in fe_plan.decisions],
             "cost": run_cost(outcome),
             "left_out": [{"part": part, "why": why} for part, why in self.omitted(pictures)],
@@ -195,17 +188,17 @@ class FeReport(ABC):
         parts = [{"part": part, "why": why} for part, why in self.omitted(pictures)]
         omitted = Table((Column("part", "Part"), Column("why", "Why")), parts)
         sections = [
-            failed_section(outcome.checks, [*chosen_sentences(fe_plan), *self.causes]),
+            report_parts.failed_section(outcome.checks, [*chosen_sentences(fe_plan), *self.causes]),
             Section("Set-up", figures=[case.drawing()]),
             *self.sections,
-            published_section(self.band),
+            report_parts.published_section(self.band),
             Section("Cost", tables=[pairs(cost)], is_folded=True),
             Section("Omitted parts", "" if parts else "None.", tables=[omitted], is_folded=True),
             Section("Inputs", tables=[Table(INPUTS, inputs)], is_folded=True),
         ]
         count = sum(check.passed is outcome.passed for check in outcome.checks)
         checked = f"{count} of {len(outcome.checks)} checks"
-        foot, scene_text = f"{footer()} {self.about}", write.scene_text(case.source)
+        foot, scene_text = f"{report_parts.footer()} {self.about}", write.scene_text(case.source)
         return Page(self.kicker, self.headline, sections, foot, scene_text, outcome.passed, True, checked)
 
     @property
@@ -215,7 +208,7 @@ class FeReport(ABC):
         pictures = "" if self.pictures_s is None else f", pictures {self.pictures_s:.2f} s"
         return (
             *(() if outcome.passed else (*self.causes, "")),
-            f"{passed_text(outcome.checks)}; {run.steps} steps in {run.time_loop_s:.3f} s, "
+            f"{report_parts.passed_text(outcome.checks)}; {run.steps} steps in {run.time_loop_s:.3f} s, "
             f"set-up {outcome.setup_s:.2f} s{pictures}\n",
             *self.tables,
             *(["\n".join(f"Chosen: {choice.text}" for choice in choices)] if choices else []),

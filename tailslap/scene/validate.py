@@ -10,15 +10,7 @@ from fem.laws import constraints
 from fem.laws.friction import FRICTION_LAWS
 from fem.plate.kinds import ELEMENT_KINDS, LUMPINGS
 from tailslap.errors import InputError, Missing, Verbatim, nearest
-from tailslap.scene import schema
-from tailslap.scene.impact_keys import (
-    ELASTIC_WALL_KEYS,
-    LAW,
-    OF_MESH,
-    check_impact,
-    refuse,
-    with_crush_stiffness,
-)
+from tailslap.scene import impact_keys, schema
 from tailslap.scene.model_tables import Damping, Wall
 from tailslap.scene.parapet_keys import check_parapet
 
@@ -41,7 +33,9 @@ SUBSTITUTES = {
 IMPACT_KEYS = ("vehicle.centre_of_mass", "vehicle.yaw_inertia", "time.end", "verify.mesh")
 """Keys that require [contact]."""
 
-FORMER_KEYS = re.compile(rf"contact\.(rear|side_stiffness)|trailer\.\d+\.({'|'.join(LAW)}|rear)(\.\w+)?")
+FORMER_KEYS = re.compile(
+    rf"contact\.(rear|side_stiffness)|trailer\.\d+\.({'|'.join(impact_keys.LAW)}|rear)(\.\w+)?"
+)
 """Keys of contacts that `[[strip]]` replaced."""
 
 
@@ -55,13 +49,13 @@ def validate(data: Mapping[str, object]) -> schema.Scene:
     if missing := missing_keys(data):
         raise _missing_error(missing)
     if scene.contact is not None:
-        check_impact(scene, scene.contact)
+        impact_keys.check_impact(scene, scene.contact)
     else:
         _check_corner(scene)
     _check_plate(scene)
     if scene.parapet is not None:
         check_parapet(scene, scene.parapet)
-    return with_crush_stiffness(scene)
+    return impact_keys.with_crush_stiffness(scene)
 
 
 def _demand_heights(data: Mapping[str, object]) -> None:
@@ -126,7 +120,7 @@ def missing_keys(tables: Mapping[str, object]) -> list[str]:
     elif value_in(tables, "corner.reaction") not in frictionless:
         missing += absent("corner.friction")
     if "wall" in present and "contact" not in present:
-        missing += absent(*(f"wall.{key}" for key in OF_MESH))
+        missing += absent(*(f"wall.{key}" for key in impact_keys.OF_MESH))
     if "plate" in present and absent("plate.first_frequency"):
         missing += absent("plate.youngs_modulus")
     if value_in(tables, "damping.kind") == "elastic-velocity":
@@ -139,7 +133,7 @@ def _missing_of_wall(present: set[str], absent: Callable[..., list[str]]) -> lis
     if "body" in present:
         return absent("wall.height")
     if "wall" in present:
-        return absent(*(f"wall.{key}" for key in (*OF_MESH, "height", "foundation_stiffness")))
+        return absent(*(f"wall.{key}" for key in (*impact_keys.OF_MESH, "height", "foundation_stiffness")))
     return []
 
 
@@ -215,7 +209,7 @@ def _allowed_keys(location: tuple[int | str, ...]) -> str:
 
 def _check_corner(scene: schema.Scene) -> None:
     """Validate keys of a constrained corner."""
-    refuse(scene, "this key requires [contact]; remove it", *IMPACT_KEYS)
+    impact_keys.refuse(scene, "this key requires [contact]; remove it", *IMPACT_KEYS)
     for name in ("body", "sensor"):
         if getattr(scene, name):
             raise InputError(name, Verbatim("a table"), "this table requires [contact]; remove it")
@@ -228,7 +222,7 @@ def _check_corner(scene: schema.Scene) -> None:
             "a constrained corner is that of one rigid body; a train requires [contact] in place of [corner]"
         )
         raise InputError("trailer", f"{len(scene.trailer)} tables", why)
-    for key in ELASTIC_WALL_KEYS:
+    for key in impact_keys.ELASTIC_WALL_KEYS:
         value = getattr(scene.wall, key, None)
         if scene.wall is not None and value != Wall.model_fields[key].default:
             allowed = "an elastic wall requires [contact]; remove this key"
@@ -253,7 +247,9 @@ def _check_plate(scene: schema.Scene) -> None:
             raise InputError(name, "a table", "this table has no effect without [plate]; remove it")
     constraint = constraints.CONSTRAINTS[scene.corner.constraint]
     of_springs = [f"corner.{key}" for key in ("penalty_scale", "damping_ratio") if key not in constraint.keys]
-    refuse(scene, f'corner.constraint = "{constraint.name}" has no spring; remove this key', *of_springs)
+    impact_keys.refuse(
+        scene, f'corner.constraint = "{constraint.name}" has no spring; remove this key', *of_springs
+    )
     plate = scene.plate
     if plate and plate.youngs_modulus is not None and plate.first_frequency is not None:
         allowed = (

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tailslap.case import kind_of
-from tailslap.case.case import CORNER, Case
+from tailslap.case.case import CORNER, WHOLE_IMPACT, Case
 from tailslap.case.resources import demand_run
 from tailslap.errors import InputError, Missing, Verbatim, one_of
 from tailslap.scene.vary import shown
@@ -75,7 +75,7 @@ class Study:
     options: tuple[click.Option, ...] = ()
     needs_plate: bool = True
     folder: Callable[[Mapping[str, Any]], str] | None = None
-    analyses: tuple[str, ...] = (CORNER,)
+    analyses: tuple[str, ...] = (CORNER, WHOLE_IMPACT)
 
 
 def checked_options(study: Study, options: Mapping[str, Any]) -> Record:

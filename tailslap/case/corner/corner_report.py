@@ -21,6 +21,7 @@ from postprocess.fields.series import FieldSeries
 from postprocess.report.page import Headline, Picture, Section
 from postprocess.report.tables import Column, Table, pairs
 from postprocess.units import Units, measure, percent_up
+from tailslap.case import run_report
 from tailslap.case.check import failed_names, failed_sentence
 from tailslap.case.corner import corner_checks, decisions, rigid_stages
 from tailslap.case.corner.corner_figures import CAPTIONS, curves, draw_pictures
@@ -30,14 +31,6 @@ from tailslap.case.corner.outcome import CornerOutcome
 from tailslap.case.corner.rigid_stages import RigidStages
 from tailslap.case.report_parts import TAIL_SLAP, checks_section, design_table, short
 from tailslap.case.run_fields import series_of_ends
-from tailslap.case.run_report import (
-    FeReport,
-    Lines,
-    chosen_sentences,
-    fe_lines,
-    omitted_lines,
-    plate_sentence,
-)
 from tailslap.scene.schema import Scene
 
 PAPER = (
@@ -69,7 +62,7 @@ METRICS_NOTE = (
 
 
 @dataclass(frozen=True)
-class CornerReport(FeReport):
+class CornerReport(run_report.FeReport):
     """Report of a run of a constrained corner."""
 
     outcome: CornerOutcome
@@ -93,7 +86,7 @@ class CornerReport(FeReport):
         return Headline(
             case.headline().title,
             failed_sentence(outcome.checks) + sentence,
-            f"{case.set_up} {plate_sentence(fe_plan)}",
+            f"{case.set_up} {run_report.plate_sentence(fe_plan)}",
             _certainty(outcome) if outcome.fe else "",
             self.band.sentence,
         )
@@ -256,7 +249,7 @@ def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
     return [(part, why) for included, part, why in parts if not included]
 
 
-def _rigid_lines(case: RigidStages) -> Lines:
+def _rigid_lines(case: RigidStages) -> run_report.Lines:
     """Return the texts of `tailslap check` that need no mesh."""
     start, strike, reaction = case.start, case.motion.strike, case.scene.corner.reaction
     computed = "" if case.stage1 is None else " (see `tailslap rigid`)"
@@ -268,11 +261,11 @@ def _rigid_lines(case: RigidStages) -> Lines:
         ],
         "reaction": [f"{reaction}, friction {case.scene.corner_friction:g}: {law.text}"],
         "tail-slap": [f"expected at {strike.t:.6g} s after {measure(strike.slide, 'm', '.5g')} of sliding"],
-        **omitted_lines(omitted_parts(case.scene)),
+        **run_report.omitted_lines(omitted_parts(case.scene)),
     }
 
 
-def check_lines(case: RigidStages, fe_plan: CornerPlan | None) -> Lines:
+def check_lines(case: RigidStages, fe_plan: CornerPlan | None) -> run_report.Lines:
     """Return the texts of `tailslap check` by label.
 
     fe_plan: None for a scene without [plate].
@@ -293,7 +286,7 @@ def check_lines(case: RigidStages, fe_plan: CornerPlan | None) -> Lines:
     rows, start = fe_plan.case.scene.time.rows, f", {fe_plan.plate.start} start"
     return {
         **_rigid_lines(fe_plan.case),
-        **fe_lines(fe_plan, rows, contact, start, more={"flexibility": [flexibility]}),
+        **run_report.fe_lines(fe_plan, rows, contact, start, more={"flexibility": [flexibility]}),
         "flutter": [flutter_sentence(fe_plan)],
     }
 
@@ -345,7 +338,7 @@ def statements(outcome: CornerOutcome) -> list[str]:
         f'{law.text} (reaction "{law.name}"). It is not unilateral contact: a real wall can only push.',
         f"The plate's material: {materials.MATERIALS[material.law].text}." if material else "",
         _plate_mass(fe_plan.model.mass, case.scene.vehicle.mass),
-        *chosen_sentences(fe_plan),
+        *run_report.chosen_sentences(fe_plan),
         "The first run oscillated; this run has more damping." if outcome.attempts > 1 else "",
         f"The plate starts {start_kinds.START_KINDS[fe_plan.plate.start].text}.",
         f"Static deflection ratio {fe_plan.deflection_ratio:.1e}: static deflection of the centre under the initial "

@@ -18,16 +18,9 @@ from fem.plate import kinds
 from postprocess.comparison import quantities
 from tailslap.case.case import MOST_ELEMENTS
 from tailslap.case.check import evaluated
-from tailslap.case.corner import decisions
+from tailslap.case.corner import decisions, numerical_error
 from tailslap.case.corner.corner_checks import CHECKS, rings
 from tailslap.case.corner.corner_plan import CornerPlan, make_corner_plan
-from tailslap.case.corner.numerical_error import (
-    CORRUPTED,
-    FLOOR,
-    Companion,
-    distance_in_motion,
-    friction_by_ringing,
-)
 from tailslap.case.corner.outcome import CornerOutcome
 from tailslap.case.corner.rigid_stages import RigidStages
 from tailslap.case.plate_input import refined
@@ -107,7 +100,7 @@ def companion_plates(fe_plan: CornerPlan) -> Iterator[tuple[Plate, float]]:
     yield from ((refined(plate, factor), factor) for factor in factors)
 
 
-def companion(outcome: CornerOutcome, plate: Plate, refinement: float) -> Companion | None:
+def companion(outcome: CornerOutcome, plate: Plate, refinement: float) -> numerical_error.Companion | None:
     """Run the companion of a run on the mesh of a plate.
 
     Returns None where it has no model. It has the damping of the run. Where it oscillates with that, or further than
@@ -118,7 +111,7 @@ def companion(outcome: CornerOutcome, plate: Plate, refinement: float) -> Compan
     case = on_plate(fe_plan, plate)
     try:
         companion = attempt(with_damping_of(fe_plan, case), growth=fe_plan.growth)
-        flutters = companion.rectified - outcome.rectified > FLOOR
+        flutters = companion.rectified - outcome.rectified > numerical_error.FLOOR
         is_open = decisions.damping_is_open(fe_plan.original.scene) or plate.relieved
         if is_open and (rings(companion) or flutters):
             companion = damped_run(with_open_damping(case))
@@ -127,7 +120,7 @@ def companion(outcome: CornerOutcome, plate: Plate, refinement: float) -> Compan
     return compared(outcome, companion, refinement)
 
 
-def compared(outcome: CornerOutcome, other: CornerOutcome, refinement: float) -> Companion:
+def compared(outcome: CornerOutcome, other: CornerOutcome, refinement: float) -> numerical_error.Companion:
     """Compare a run with another one as its companion.
 
     refinement: of the mesh of the other.
@@ -135,10 +128,10 @@ def compared(outcome: CornerOutcome, other: CornerOutcome, refinement: float) ->
     plate = other.fe_plan.plate
     mesh = f"{plate.element}, {plate.counts[0]} x {plate.counts[1]}"
     if not other.fe:
-        return Companion(mesh, refinement, {})
+        return numerical_error.Companion(mesh, refinement, {})
     motions = (outcome.run.history, outcome.rigid_history), (other.run.history, other.rigid_history)
-    apart = distance_in_motion(*motions, outcome.rigid, not outcome.relieved)
-    return Companion(mesh, refinement, other.difference, apart)
+    apart = numerical_error.distance_in_motion(*motions, outcome.rigid, not outcome.relieved)
+    return numerical_error.Companion(mesh, refinement, other.difference, apart)
 
 
 def on_plate(fe_plan: CornerPlan, plate: Plate) -> RigidStages:
@@ -205,7 +198,9 @@ def _simulated(fe_plan: CornerPlan, stepper: Stepper) -> Run:
                 rows=scene.time.rows,
                 progress=progress,
                 make_stepper=lambda *_: stepper,
-                corrupted=lambda row: friction_by_ringing(fe_plan, row) > CORRUPTED,
+                corrupted=lambda row: (
+                    numerical_error.friction_by_ringing(fe_plan, row) > numerical_error.CORRUPTED
+                ),
                 checkpoint=checkpoints.next_checkpoint(),
                 snapshots=scene.kept_fields,
             )

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Table
 from postprocess.units import Units, force, measure, percent_up
+from tailslap.case import run_report
 from tailslap.case.check import failed_names, failed_sentence
 from tailslap.case.impact import checks, error, figures, run
 from tailslap.case.impact import report_tables as tables
@@ -23,14 +24,6 @@ from tailslap.case.impact.rigid_input import above_wall
 from tailslap.case.impact.space import figures as space_figures
 from tailslap.case.impact.space.answer import section
 from tailslap.case.report_parts import checks_section, design_ratios, short, strikes_table
-from tailslap.case.run_report import (
-    FeReport,
-    Lines,
-    chosen_sentences,
-    fe_lines,
-    omitted_lines,
-    plate_sentence,
-)
 from tailslap.scene.schema import Scene
 
 FIRST = ("t", "x_g", "y_g", "theta", "omega", "v_gx", "v_gy", "force_normal", "force_tangential")
@@ -41,7 +34,7 @@ LEAST_CHANGE = 1e-6
 
 
 @dataclass(frozen=True)
-class ImpactReport(FeReport):
+class ImpactReport(run_report.FeReport):
     """Report of a run of a whole impact."""
 
     outcome: run.ImpactOutcome
@@ -61,7 +54,7 @@ class ImpactReport(FeReport):
         return Headline(
             case.headline().title,
             failed_sentence(outcome.checks) + sentence,
-            f"{case.set_up} {plate_sentence(fe_plan)}",
+            f"{case.set_up} {run_report.plate_sentence(fe_plan)}",
             _uncertain(outcome) if uncertain else _certainty(outcome),
             self.band.sentence,
         )
@@ -226,7 +219,7 @@ def _statements(outcome: run.ImpactOutcome) -> list[str]:
     return [
         "The rigid vehicle has the same mass, centre of mass, inertia and contact; the plate is flexible.",
         *_companion_sentences(outcome.fe_plan.case),
-        *chosen_sentences(outcome.fe_plan),
+        *run_report.chosen_sentences(outcome.fe_plan),
         *remarks(outcome.fe),
     ]
 
@@ -252,7 +245,7 @@ def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
     return [(part, why) for there, part, why in parts if not there]
 
 
-def _space_lines(scene: Scene) -> Lines:
+def _space_lines(scene: Scene) -> run_report.Lines:
     """Return the lines of `tailslap check` on [body]."""
     if scene.body is None or scene.wall is None or scene.wall.height is None:
         return {}
@@ -264,7 +257,7 @@ def _space_lines(scene: Scene) -> Lines:
     }
 
 
-def check_lines(case: RigidImpact, fe_plan: ImpactPlan | None) -> Lines:
+def check_lines(case: RigidImpact, fe_plan: ImpactPlan | None) -> run_report.Lines:
     """Return the texts of `tailslap check` by label.
 
     fe_plan: None for a scene without [plate].
@@ -289,7 +282,7 @@ def check_lines(case: RigidImpact, fe_plan: ImpactPlan | None) -> Lines:
         **{label: sentences for label, sentences in expected.items() if sentences},
         "end": [f"{case.duration:.4g} s"],
         **_space_lines(case.scene),
-        **omitted_lines(omitted_parts(case.scene)),
+        **run_report.omitted_lines(omitted_parts(case.scene)),
     }
     if fe_plan is None:
         return lines
@@ -298,4 +291,4 @@ def check_lines(case: RigidImpact, fe_plan: ImpactPlan | None) -> Lines:
     steps = f", {rows} rows"
     if case.scene.verify.companion:
         steps += "; at least as many on the meshes for the discretisation error"
-    return lines | fe_lines(fe_plan, rows, contact, steps=steps)
+    return lines | run_report.fe_lines(fe_plan, rows, contact, steps=steps)

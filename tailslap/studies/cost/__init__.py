@@ -1,6 +1,5 @@
 """Study `cost` of error and run time."""
 
-from tailslap.case.case import CORNER, WHOLE_IMPACT
 from tailslap.studies.study import Study, later
 
 STUDY = Study(
@@ -8,5 +7,4 @@ STUDY = Study(
     summary="Error and run time of all methods and settings; resumes after an interruption.",
     compute=later("tailslap.studies.cost.cost_study:compute"),
     report=later("tailslap.studies.cost.cost_report:report"),
-    analyses=(CORNER, WHOLE_IMPACT),
 )

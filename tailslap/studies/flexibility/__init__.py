@@ -2,7 +2,6 @@
 
 import click
 
-from tailslap.case.case import CORNER, WHOLE_IMPACT
 from tailslap.options import WORKERS, Whole
 from tailslap.studies.study import Study, later
 
@@ -21,6 +20,5 @@ STUDY = Study(
     summary="Effect of vehicle flexibility on the results of the rigid-body method, from rigid to soft plates.",
     compute=later("tailslap.studies.flexibility.impact_flexibility:compute"),
     report=later("tailslap.studies.flexibility.flexibility_report:report"),
-    analyses=(CORNER, WHOLE_IMPACT),
     options=OPTIONS,
 )

@@ -2,7 +2,6 @@
 
 import click
 
-from tailslap.case.case import CORNER, WHOLE_IMPACT
 from tailslap.options import WORKERS, Real, Whole
 from tailslap.studies.study import Study, later
 
@@ -29,6 +28,5 @@ STUDY = Study(
     compute=later("tailslap.studies.stability.stability_study:compute"),
     report=later("tailslap.studies.stability.stability_report:report"),
     options=(POINTS, TOLERANCE, RANDOM, SEED, WORKERS),
-    analyses=(CORNER, WHOLE_IMPACT),
     folder=lambda options: "random" if options["count"] else "stability",
 )

@@ -2,7 +2,6 @@
 
 import click
 
-from tailslap.case.case import CORNER, WHOLE_IMPACT
 from tailslap.options import Whole
 from tailslap.studies.study import Study, later, range_options
 
@@ -22,5 +21,4 @@ STUDY = Study(
     report=later("tailslap.studies.uncertainty.uncertainty_report:report"),
     options=OPTIONS,
     needs_plate=False,
-    analyses=(CORNER, WHOLE_IMPACT),
 )
