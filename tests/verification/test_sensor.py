@@ -49,8 +49,8 @@ def test_many_are_each_alone(position):
 
 @pytest.mark.parametrize(("position", "height"), [(5.0, 1.35), (2.0, 0.4), (6.0, 3.0)])
 def test_in_space_the_sensor_is_a_point_of_the_body(position, height):
-    """Axles are of 1 kg, and both centres of mass coincide."""
-    light = [f"axle.{number}.mass=1" for number in (0, 1)]
+    """Axles are of 20 kg, and both centres of mass nearly coincide."""
+    light = [f"axle.{number}.mass=20" for number in (0, 1)]
     one = case(SPACE, *light, f"sensor.position={position}", f"sensor.height={height}")
     h = one.space.motion.history
     axes = Rotation.from_euler("ZYX", np.array([h["yaw"], h["pitch"], h["roll"]]).T)
