@@ -16,14 +16,14 @@ import pytest
 # As the command line does, before NumPy is loaded: the tests' processes have the cores for themselves.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+from shared_cases import case
+
 from fem.laws.friction import Drag, Signed
 from fem.model.plate_model import PlateModel, build_model
 from fem.plate.kinds import ELEMENT_KINDS
 from fem.plate.properties import CornerProperties, PlateProperties, StepProperties
 from meshes import distorted, plate_mesh
-from tailslap.case import case_of
 from tailslap.errors import InputError
-from tailslap.scene.read import read_scene
 
 STEEL = {"thickness": 0.053, "density": 7800.0, "youngs_modulus": 200e9, "poissons_ratio": 0.3}
 LAWS = {"drag": Drag(0.47), "none": None, "signed": Signed(0.47)}
@@ -62,7 +62,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @functools.cache
 def _outcome(name: str, changes: tuple[str, ...]) -> Any:
-    return case_of(*read_scene(name, changes)).run()
+    return case(name, *changes).run()
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from shared_cases import case
 from space_vehicles import truck, truck_unit
 
 import tailslap
@@ -17,8 +18,11 @@ from postprocess.units import SYSTEMS, percent_up
 from solver import RigidBodyError
 from solver.space import SpaceWall, profile_points, solve_space, solve_spaces
 from solver.space.wall import face_at
+from tailslap.case.case import NO_BAND
+from tailslap.case.check import evaluated
 from tailslap.case.impact import rigid_motion
 from tailslap.case.impact.answers import ImpactAnswer
+from tailslap.case.impact.checks import CHECKS
 from tailslap.case.impact.rigid_input import above_wall, touching, wall_contact
 from tailslap.case.impact.space.answer import SpaceAnswer
 from tailslap.case.impact.space.input import space_input
@@ -145,7 +149,7 @@ def test_initial_force_of_a_strip_reaches_the_vehicle():
 
 
 def test_results_have_the_keys_of_the_interface():
-    space = tailslap.rigid(SCENE).summary["space"]
+    space = case(SCENE).rigid_numbers()["space"]
     assert space["outcome"] in ("upright", "on its side", "over the wall", "undecided")
     assert space["step_error"] + space["strip_error"] <= space["error"]
     assert space["force"]["heights"][0] == space["force"]["height"]
@@ -160,14 +164,14 @@ def test_a_vehicle_in_space_is_solved_in_space_alone(scene, monkeypatch):
     """Strikes, forces, end, history, drawing and row are of that motion."""
     monkeypatch.setattr(rigid_motion, "_solved", None)
     result = tailslap.rigid(scene, {"plate": None}, band=False)
-    case: Any = case_of_scene(scene, {"plate": None})
-    space, summary = case.space, result.summary
-    assert ("error" in summary, len(summary.get("hinges", []))) == (False, len(case.scene.trailer))
+    one: Any = case_of_scene(scene, {"plate": None})
+    space, summary = one.space, result.summary
+    assert ("error" in summary, len(summary.get("hinges", []))) == (False, len(one.scene.trailer))
     assert summary["strikes"] == summary["space"]["strikes"]
     impulse = sum(strike["impulse"] for strike in summary["strikes"])
-    assert impulse == pytest.approx(5e-4 * case.answer.history["force_normal"].sum(), rel=2e-3)
+    assert impulse == pytest.approx(5e-4 * one.answer.history["force_normal"].sum(), rel=2e-3)
     assert result.tables["Strikes"].rows[0]["title"] == "1 front"
-    lines, impulses = case.rigid_text(), np.array([strike["impulse"] for strike in summary["strikes"]])
+    lines, impulses = one.rigid_text(), np.array([strike["impulse"] for strike in summary["strikes"]])
     light = int((impulses < 0.05 * impulses.max()).sum())
     assert light > 0
     assert f"  {light} lighter, below 5 % of the largest impulse: --json" in lines
@@ -179,25 +183,24 @@ def test_a_vehicle_in_space_is_solved_in_space_alone(scene, monkeypatch):
     assert abs(summary["end"]["t"] - h["t"][-1]) < 1.1e-3
     for name, column, sign in (("theta", "yaw", -1.0), ("omega", "omega_z", 1.0), ("v_gx", "v_gx", 1.0)):
         assert summary["end"][name] == pytest.approx(sign * h[column][-1], rel=5e-3, abs=5e-4)
-    assert {"roll", "theta", "force_normal_mean_50ms"} <= set(case.rigid_history())
+    assert {"roll", "theta", "force_normal_mean_50ms"} <= set(one.rigid_history())
     assert "parallel to the wall, after" in SYSTEMS["si"].rendered(result.charts["set-up"].caption)
     for words in ("plane", "Tyres"):
         assert words not in result.text
-    assert ("Hinges" in result.text) == bool(case.scene.trailer)
+    assert ("Hinges" in result.text) == bool(one.scene.trailer)
     assert f"60 Hz cut-off: lateral {1e-3 * summary['peaks']['cutoff_60hz']:.0f}" in " ".join(
         result.text.split()
     )
-    assert set(case.row(None)) <= {"status", "reason", *case.columns(case.scene)}
-    hinges = {name for name in case.row(None) if "hinge" in name}
-    assert hinges == {name for name in case.columns(case.scene) if "hinge" in name}
-    assert len(hinges) == 3 * len(case.scene.trailer)
+    assert set(one.row(None)) <= {"status", "reason", *one.columns(one.scene)}
+    hinges = {name for name in one.row(None) if "hinge" in name}
+    assert hinges == {name for name in one.columns(one.scene) if "hinge" in name}
+    assert len(hinges) == 3 * len(one.scene.trailer)
 
 
 @pytest.mark.parametrize("scene", [SCENE, TRAIN])
 def test_a_row_at_half_the_interval_is_of_the_same_motion(scene):
     """The mean of two rows is one of the motion."""
-    case: Any = case_of_scene(scene, None)
-    h, fine = case.space.motion.history, case.answer.history
+    h, fine = case(scene).space.motion.history, case(scene).answer.history
     assert fine["t"][1] == pytest.approx(0.5 * h["t"][1])
     pairs = fine["force_normal"][1 : 1 + (len(fine["t"]) - 1) // 2 * 2].reshape(-1, 2)
     assert pairs.mean(axis=1) == pytest.approx(h["force_normal"][1 : 1 + len(pairs)], abs=1e-6)
@@ -215,13 +218,13 @@ HELD = {
 
 def test_a_held_vehicle_has_the_values_of_its_companion():
     """Forces, occupant values and the second strike of both motions are equal."""
-    case: Any = case_of_scene(SCENE, HELD)
-    space, plane = case.answer, case.in_plane
+    one: Any = case_of_scene(SCENE, HELD)
+    space, plane = one.answer, one.in_plane
     assert space.in_space
     assert not plane.in_space
     for name in ("mean_50ms", "cfc60"):
         assert space.peaks[name] == pytest.approx(plane.peaks[name], rel=2e-3)
-    pairs = zip(space.occupant_risk(1.0), plane.occupant_risk(case.vehicle.mass), strict=True)
+    pairs = zip(space.occupant_risk(1.0), plane.occupant_risk(one.vehicle.mass), strict=True)
     for measure, planar in pairs:
         assert measure.name == planar.name
         assert measure.value == pytest.approx(planar.value, rel=5e-3, abs=1e-3), measure.name
@@ -252,17 +255,16 @@ def test_accelerations_in_space_are_along_the_axes_of_the_body(monkeypatch):
 def test_a_run_names_the_companion_and_has_occupant_values_in_space(tmp_path):
     """The plate's motion is named, the headline in space."""
     changes = {"plate.elements": [8, 2], "verify.companion": False}
-    case: Any = case_of_scene(SCENE, changes)
     result = tailslap.run(SCENE, changes, band=False)
     summary = result.summary
-    risk = [measure.value for measure in case.answer.occupant_risk(1.0)]
+    risk = [measure.value for measure in case(SCENE).answer.occupant_risk(1.0)]
     assert [measure["value"] for measure in summary["occupant_risk"]] == risk
     assert [strike["corner"] for strike in summary["rigid"]["strikes"]] == ["front", "7.2 m"]
     assert {strike["corner"] for strike in summary["space"]["strikes"]} > {"front", "7.2 m", "2.6 to 10 m"}
     assert {row["model"] for row in result.tables["Strikes"].rows} == {"in space"}
-    assert summary["answer"] == tailslap.rigid(SCENE, band=False).summary["answer"]
+    assert summary["answer"] == case(SCENE).headline(NO_BAND).in_units(SYSTEMS["si"]).answer
     assert "Companion in the plane: the same strips without heights" in summary["certainty"]
-    assert summary["paper_method"] == case.rigid_numbers()["paper_method"]
+    assert summary["paper_method"] == case(SCENE).rigid_numbers()["paper_method"]
     result.save(tmp_path / "out", pictures=False)
     page = (tmp_path / "out" / "report.html").read_text("utf-8")
     assert "Occupant risk, in space" in page
@@ -345,23 +347,18 @@ def test_equal_strikes_have_both_heights_in_words():
 
 def test_the_page_states_the_error_in_space():
     """The error is that of the motion in space."""
-    case: Any = case_of_scene(SCENE, None)
-    words = SYSTEMS["si"].rendered(str(case.headline()))
-    assert f"Rigid vehicle in space; {SYSTEMS['si'].rendered(case.space.accuracy)}.'" in words
-    assert percent_up(case.space.motion.error) in case.space.accuracy
+    words, space = SYSTEMS["si"].rendered(str(case(SCENE).headline())), case(SCENE).space
+    assert f"Rigid vehicle in space; {SYSTEMS['si'].rendered(space.accuracy)}.'" in words
+    assert percent_up(space.motion.error) in space.accuracy
 
 
-def test_scene_without_a_body_loads_no_space():
+def test_scene_without_a_body_loads_no_space(python):
     """Without [body] the packages of the vehicle in space are not imported."""
-    import subprocess
-    import sys
-
     code = (
-        "import sys, tailslap; tailslap.rigid('impact-mash-tl4-sut'); "
+        "import sys, tailslap; tailslap.rigid('impact-mash-tl4-sut', band=False); "
         "print([name for name in sys.modules if name.startswith('solver.space')])"
     )
-    output = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert output.stdout.strip() == "[]"
+    assert python(code, check=True).stdout.strip() == "[]"
 
 
 def test_shipped_scene_is_a_scene_file():
@@ -374,7 +371,7 @@ def test_shipped_scene_is_a_scene_file():
 @pytest.fixture(scope="module")
 def train():
     """Return the result of the train of the examples."""
-    return tailslap.rigid(TRAIN).summary["space"]
+    return case(TRAIN).rigid_numbers()["space"]
 
 
 def test_each_unit_of_a_train_rolls(train):
@@ -387,7 +384,7 @@ def test_each_unit_of_a_train_rolls(train):
 
 def test_stiffness_of_the_fifth_wheel_joins_the_rolls(train):
     """Without stiffness the tractor is level, and the trailer rolls more."""
-    loose = tailslap.rigid(TRAIN, changes={"trailer.0.roll_stiffness": 0.0}).summary["space"]
+    loose = case(TRAIN, "trailer.0.roll_stiffness=0").rigid_numbers()["space"]
     assert abs(loose["unit_rolls"][0]) < abs(train["unit_rolls"][0])
     assert abs(loose["unit_rolls"][1]) > abs(train["unit_rolls"][1])
 
@@ -399,24 +396,13 @@ def test_trailer_without_an_axle_is_refused():
 
 def test_checks_of_a_run_judge_the_motion_in_space():
     """A missing work and an error above verify.mesh fail."""
-    from types import SimpleNamespace
-
-    from tailslap.case import case_of
-    from tailslap.case.check import evaluated
-    from tailslap.case.impact.checks import CHECKS
-    from tailslap.scene.read import read_scene
-
-    names = "energy in space", "error in space"
-    case: Any = case_of(*read_scene(SCENE))
-    motion = case.space.motion
-
+    names, one = ("energy in space", "error in space"), case(SCENE)
+    motion = one.space.motion
     judged: Any = [CHECKS[name] for name in names]
 
     def failed(motion: Any) -> list[str]:
-        space = replace(case.space, motion=motion)
-        outcome: Any = SimpleNamespace(
-            fe_plan=SimpleNamespace(case=SimpleNamespace(space=space, scene=case.scene))
-        )
+        judged_case = SimpleNamespace(space=replace(one.space, motion=motion), scene=one.scene)
+        outcome: Any = SimpleNamespace(fe_plan=SimpleNamespace(case=judged_case))
         return [check.name for check in evaluated(judged, outcome) if not check.passed]
 
     assert failed(motion) == []
@@ -432,5 +418,5 @@ def test_a_sweep_in_space_shows_its_force(tmp_path):
         SCENE, {"wall.height": [0.8, 0.9144]}, changes={"plate": None}, folder=tmp_path / "out"
     )
     table, force = swept.histories["table"], "rigid.peaks.mean_50ms"
-    assert table[force][1] == tailslap.rigid(SCENE, band=False).summary["peaks"]["mean_50ms"]
+    assert table[force][1] == case(SCENE).answer.peaks["mean_50ms"]
     assert (table["rigid.strike_1.corner"][1], table["rigid.strikes"][1] > 2) == ("front", True)

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from browser import screen
 from browser.session import CHROMIUM, chromium
+from shared_cases import case
 
 from machine_code import web_assembly
 from postprocess.signals.filters import LABELS, LOW_PASSES
@@ -239,7 +240,7 @@ def test_a_box_changes_answer_address_and_scene(opened, tmp_path):
 def test_a_filter_is_chosen_and_stands_in_the_address(opened):
     """Peaks are those of `tailslap rigid`."""
     tab = opened()
-    peaks = case_of_scene(TRUCK, None).answer.peaks  # type: ignore[attr-defined]
+    peaks = case(TRUCK).answer.peaks
     for (name, label), row in zip(LABELS.items(), tab.query_selector_all("#peaks tbody tr"), strict=True):
         assert row.inner_text().split("\t") == [label, f"{peaks[name] / 1e3:.0f}"]
     for name in LOW_PASSES:
@@ -309,7 +310,9 @@ def test_an_address_with_unknown_keys_is_named(opened):
 
 
 @in_chromium
-def test_a_browser_without_its_parts_and_another_module_are_named(browser, file, opened, tmp_path, monkeypatch):
+def test_a_browser_without_its_parts_and_another_module_are_named(
+    browser, file, opened, tmp_path, monkeypatch
+):
     for part, words in ("WebAssembly", "no WebAssembly"), ("DecompressionStream", "cannot unpack"):
         context = browser.new_context()
         context.add_init_script(f"delete window.{part}")
@@ -366,14 +369,13 @@ def test_a_truck_in_space_has_outcome_band_walls_and_views(opened):
     """
     tab = opened(f"#scene={TIPPING}")
     tab.wait_for_function("() => document.body.dataset.walls")
-    case: Any = case_of_scene(TIPPING, None)
-    motion = case.space.motion
+    motion = case(TIPPING).space.motion
     one, said = motion.answers, tab.inner_text("#headline")
     assert (
         f"remains upright on a wall of 0.914 m with a roll of {np.degrees(one.largest_roll):.1f} deg" in said
     )
     assert f"This scene: {one.mean_50ms / 1e3:.0f} kN, at a height of {one.height:.3f} m" in said
-    assert case.space.accuracy in tab.inner_text("#certainty")
+    assert case(TIPPING).space.accuracy in tab.inner_text("#certainty")
     numbers = tab.evaluate("[...machine.array('space_one.motions.result')].slice(2, 5)")
     assert numbers == pytest.approx([motion.step_error, motion.strip_error, motion.other_error], rel=1e-6)
     assert "70 upright, 2 on its side" in tab.inner_text("#band")

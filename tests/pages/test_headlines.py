@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from shared_cases import case
 
 import tailslap
 from postprocess.figures.positions import SCHEME, SYMBOLS, Unit, draw_set_up
@@ -17,17 +18,12 @@ from postprocess.svg.marks import Words
 from postprocess.units import KIP, SI, US, force, percent_up
 from tailslap import cli
 from tailslap.campaign.band_samples import force_band
-from tailslap.case import case_of
 from tailslap.case import report_parts as shared
 from tailslap.case.corner import corner_report as corner
 from tailslap.case.force_band import ForceBand
 from tailslap.case.impact import report as impact
-from tailslap.scene.read import read_scene, shipped_scenes
+from tailslap.scene.read import shipped_scenes
 from tailslap.validation.calibration import calibrated_band, class_of, classes
-
-
-def case(name, *changes):
-    return case_of(*read_scene(name, changes))
 
 
 def rigid_force(of):

@@ -10,6 +10,7 @@ import sys
 
 import numpy as np
 import pytest
+from shared_cases import case
 
 import solver
 import tailslap
@@ -17,17 +18,11 @@ from postprocess.signals.filters import moving_mean
 from postprocess.units import SI
 from solver.impact import trajectories
 from tailslap.campaign import band_samples, planar_ranges, sampling
-from tailslap.case import case_of
 from tailslap.case.case import NO_BAND
 from tailslap.case.force_band import Calibration, ForceBand
 from tailslap.case.impact import strike_columns
-from tailslap.scene.read import read_scene
 
 TRUCK, IMPACT, SPACE = "mash-tl4-sut", "impact-mash-tl4-sut", "impact-tipping-tl4-sut"
-
-
-def case(name, *changes):
-    return case_of(*read_scene(name, changes))
 
 
 @pytest.fixture(scope="module")

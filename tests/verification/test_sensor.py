@@ -9,20 +9,15 @@ import pytest
 from numpy.lib.stride_tricks import sliding_window_view
 from sampled_impacts import sampled_impacts
 from scipy.spatial.transform import Rotation
+from shared_cases import case
 
 import tailslap
 from postprocess.units import SI
-from tailslap.case import case_of
 from tailslap.errors import InputError
-from tailslap.scene.read import read_scene
 
 IMPACT, SPACE, TRAIN = "impact-mash-tl4-sut", "impact-tipping-tl4-sut", "impact-mash-tl5-tractor-van"
 ROWS = 50
 """Rows of a 50 ms mean in space."""
-
-
-def case(name, *changes):
-    return case_of(*read_scene(name, changes))
 
 
 def test_at_the_centre_of_mass_the_estimate_is_the_force():

@@ -4,8 +4,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from shared_cases import case
 
-from solver.space import UNDECIDED, solve_space, solve_spaces
+from solver.space import UNDECIDED, solve_spaces
 from solver.space.vehicle import fleet_of
 from tailslap.browser import space, space_model
 from tailslap.campaign import band_samples
@@ -19,9 +20,9 @@ CHANGES = {"impact.speed": 28.0, "vehicle.mass": 11000.0, "wall.height": 0.8, "c
            "axle.1.spring": 4e5, "strip.0.stiffness": 3e6, "vehicle.length": 10.5}  # fmt: skip
 
 
-def called(case, name, changes=None):
+def called(one, name, changes=None):
     """Return result and arguments of a kernel with changed quantities."""
-    built: Any = space_model.model_of(case)
+    built: Any = space_model.model_of(one)
     kernel, arguments = built.calls[name]
     for key, value in (changes or {}).items():
         arguments[0][built.quantities.index(key), 0] = value
@@ -31,7 +32,7 @@ def called(case, name, changes=None):
 @pytest.mark.parametrize(("scene", "changes"), [(TRUCK, {}), (TRUCK, CHANGES), (TRAIN, {})])
 def test_a_motion_is_that_of_the_changed_scene(scene, changes):
     """Quantities that the scene omits follow from the changed ones."""
-    (reason, _, count), (_, _, room, curves), _ = called(case_of_scene(scene, None), "space", changes)
+    (reason, _, count), (_, _, room, curves), _ = called(case(scene), "space", changes)
     inputs = space_input(case_of_scene(scene, changes).scene)
     fleet, one = fleet_of(*inputs.arguments), solve_spaces(*inputs.arguments)
     fleet.units[:, 0, 15:] = 0.0  # the page has no sensor
@@ -47,9 +48,8 @@ def test_a_motion_is_that_of_the_changed_scene(scene, changes):
 @pytest.mark.parametrize("changes", [{}, {"wall.height": 0.64}])
 def test_a_refined_motion_has_the_errors_of_the_command(changes):
     """On a wall near the lowest one it is undecided."""
-    case = case_of_scene(TRUCK, None)
-    (reason, _, count), (_, _, room, motions, _, curves), _ = called(case, "space_one", changes)
-    motion = solve_space(*space_input(case_of_scene(TRUCK, changes).scene).arguments)
+    (reason, _, count), (_, _, room, motions, _, curves), _ = called(case(TRUCK), "space_one", changes)
+    motion = case(TRUCK, *(f"{key}={value}" for key, value in changes.items())).space.motion
     parts, points, *errors, undecided, heights = motions.result
     assert reason == space.POSSIBLE
     assert count == len(motion.history["t"])
@@ -63,12 +63,11 @@ def test_a_refined_motion_has_the_errors_of_the_command(changes):
 
 def test_a_band_is_that_of_the_command():
     """Blocks of an uncalibrated train follow one another."""
-    case = case_of_scene(TRAIN, None)
-    _, arguments, kernel = called(case, "space_band")
+    _, arguments, kernel = called(case(TRAIN), "space_band")
     place, forces, outcomes, percentiles = (arguments[k] for k in (8, 6, 7, 9))
     while place[0] < len(forces):
         result = kernel(*arguments)
-    band = band_samples.force_band(case)
+    band = band_samples.force_band(case(TRAIN))
     assert result == (space.POSSIBLE, 0, band.samples, len(band.ranges), -1)
     np.testing.assert_allclose(percentiles[1], band.percentiles, rtol=1e-9)
     np.testing.assert_allclose(outcomes / band.samples, [*band.outcomes.values()])
@@ -76,13 +75,12 @@ def test_a_band_is_that_of_the_command():
 
 def test_the_sweep_of_walls_has_the_wall_of_the_scene_between():
     """On both walls about it forces are near the scene's."""
-    case = case_of_scene(TRUCK, None)
-    _, arguments, kernel = called(case, "space_wall")
+    _, arguments, kernel = called(case(TRUCK), "space_wall")
     walls, lowest = arguments[4], arguments[5]
     for _ in range(len(walls)):
         kernel(*arguments)
     heights = walls[:, 0]
-    inputs = space_input(case.scene)
+    inputs = space_input(case(TRUCK).scene)
     at = inputs.vehicle, inputs.wall.__class__(heights), inputs.speed, inputs.angle
     one = solve_spaces(at[0], inputs.wall.__class__(heights, friction=inputs.wall.friction), *at[2:])
     np.testing.assert_array_equal(walls[:, 1], one.outcome)
@@ -98,5 +96,5 @@ def test_the_sweep_of_walls_has_the_wall_of_the_scene_between():
     ({"axle.0.tyre": 1e15}, space.STEPS), ({"strip.0.inset": 1.3}, space.OF_COLUMNS + 11),
 ])  # fmt: skip
 def test_impossible_values_have_a_reason(changes, reason):
-    (said, item, _), _, _ = called(case_of_scene(TRUCK, None), "space", changes)
+    (said, item, _), _, _ = called(case(TRUCK), "space", changes)
     assert (said, item) == (reason, 0)
