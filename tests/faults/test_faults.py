@@ -150,25 +150,27 @@ class FullFile(io.FileIO):
         raise OSError(errno.ENOSPC, "No space left on device")
 
 
-@pytest.mark.parametrize("name", ["fem", "meshes", "postprocess", "solver"])
-def test_a_file_that_has_the_name_of_a_package_is_named(name, tmp_path):
+def test_a_file_that_has_the_name_of_a_package_is_named(tmp_path):
     """A module of the user hides a package, a folder not."""
-    script = tmp_path / "script.py"
+    script, names = tmp_path / "script.py", ("fem", "meshes", "postprocess", "solver")
     script.write_text("import tailslap\nprint(tailslap.rigid('mash-tl4-sut').summary['scene'])\n")
-    (tmp_path / name).mkdir()
+    for name in names:
+        (tmp_path / name).mkdir()
     path = {"cwd": tmp_path, "env": os.environ | {"PYTHONPATH": f"{tmp_path}{os.pathsep}{os.getcwd()}"}}
     call = lambda *line: subprocess.run([sys.executable, *line], capture_output=True, text=True, **path)  # noqa: E731
     assert call(script).stdout == "mash-tl4-sut\n"
-    (tmp_path / name).rmdir()
-    stranger = tmp_path / f"{name}.py"
-    stranger.write_text("mine = 1\n")
-    message = (
-        f"{stranger} is in conflict with the package {name} of tailslap; rename it, or start elsewhere\n"
-    )
-    for first in ("", f"import {name}\n"):
+    for name, first in zip(names, ("", "import meshes\n", "", "import solver\n"), strict=True):
+        (tmp_path / name).rmdir()
+        stranger = tmp_path / f"{name}.py"
+        stranger.write_text("mine = 1\n")
+        message = (
+            f"{stranger} is in conflict with the package {name} of tailslap; rename it, or start elsewhere\n"
+        )
         script.write_text(f"{first}import tailslap\n")
         process = call(script)
         assert (process.returncode, process.stderr.endswith(f"ImportError: {message}")) == (1, True)
+        if name != names[-1]:
+            stranger.unlink()
     process = call("-m", "tailslap", "scenes")
     assert (process.returncode, process.stdout, process.stderr) == (2, "", f"tailslap: {message}")
 

@@ -95,7 +95,7 @@ def peer(strips: tuple[Strip, ...], start: Any) -> tuple[np.ndarray, Callable[[n
     return solution.y[6 + count :, -1], contacts
 
 
-QUICK = {("linear", 3), ("plateau", 4), ("elastic", 6)}
+QUICK = {("plateau", 4), ("elastic", 6)}
 ALL = [
     pytest.param(name, count, marks=[] if (name, count) in QUICK else pytest.mark.long)
     for name in LAWS
