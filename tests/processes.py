@@ -8,6 +8,7 @@ from pathlib import Path
 HEAVY = (
     *("gmsh", "skfem", "meshio", "vtk", "vtkmodules", "pyvista", "matplotlib", "jinja2"),
     *("scipy.integrate", "scipy.optimize", "scipy.sparse", "dask", "distributed", "pint", "pyarrow"),
+    *("scipy.stats", "scipy.special", "rich", "postprocess.svg.chart"),
 )
 
 

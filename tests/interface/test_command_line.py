@@ -44,7 +44,7 @@ def run(*arguments, cwd=None):
 
 
 def test_rigid_and_scenes_import_nothing_heavy(tmp_path):
-    assert imported("rigid", "mash-tl4-sut", cwd=tmp_path) == set()
+    assert imported("rigid", "mash-tl4-sut", "--units", "us", cwd=tmp_path) == set()
     assert imported("scenes", cwd=tmp_path) == set()
 
 

@@ -463,8 +463,8 @@ def test_files_and_numbers(folder, capsys, tmp_path):
 
 
 def test_nothing_heavy_is_imported(tmp_path):
-    """jinja2, for the page, and no SciPy, mesh, FE or picture library."""
-    assert imported("paper", "--json", cwd=tmp_path) == {"jinja2"}
+    """jinja2, rich and charts, and no SciPy, mesh, FE or picture library."""
+    assert imported("paper", "--json", cwd=tmp_path) == {"jinja2", "rich", "postprocess.svg.chart"}
     assert {path.name for path in (tmp_path / "results" / "paper").iterdir()} == FILES
 
 

@@ -171,7 +171,6 @@ def test_abutting_pieces_of_a_strip_are_one_strip(count):
 @pytest.mark.parametrize(
     ("profile", "height", "count", "most"),
     [
-        ("vertical", 0.9144, 1, 3e-3),
         ("vertical", 0.9144, 8, 3e-3),
         ("vertical", 0.7, 3, 2e-2),
         ("new-jersey", 0.55, 1, 1e-2),
