@@ -708,7 +708,7 @@ def test_what_was_added_before_a_kill_is_there(tmp_path):
     assert {path} <= set(tmp_path.iterdir()) <= {path, journal}
 
 
-@pytest.mark.parametrize("content", [b"my diary\n", b"", b"SQLite format 3\0" + bytes(4080)])
+@pytest.mark.parametrize("content", [b"my diary\n", b"", b"\xff\xfe\n", b"SQLite format 3\0" + bytes(4080)])
 def test_records_of_another_kind_are_refused_and_kept(tmp_path, content):
     (tmp_path / RECORDS).write_bytes(content)
     refused("not a valid journal", open_records, tmp_path, small_sweep())

@@ -19,22 +19,6 @@ def result():
     return tailslap.run("mash-tl4-sut", {"plate.youngs_modulus": "2 TPa"})
 
 
-def test_a_run_shows_its_force():
-    result = tailslap.run("mash-tl4-sut", {"impact": {"speed": "20 m/s"}})
-    force = result.summary["peak_force"]["fe"] / 1e3
-    assert f"Peak lateral force at the tail-slap: {force:.0f} kN (median " in repr(result)
-
-
-def test_the_headline_of_a_whole_impact_has_units():
-    """Quantities have the units of the reader."""
-    result = tailslap.run("impact-mash-tl4-sut", {"plate.elements": [8, 2]})
-    force = result.summary["fe"]["peaks"]["mean_50ms"]
-    assert result.headline.answer.startswith("Largest 50 ms mean of the lateral force: median ")
-    assert f"This scene: {force / 1e3:.0f} kN in " in result.headline.answer
-    assert "".join(result.headline.lines).isprintable()
-    assert result.headline.answer[:60] in str(result).rpartition("\n\n")[2]
-
-
 @pytest.mark.parametrize(("scene", "group", "name"), [
     ("mash-tl4-sut", "stage3", "peak_force"), ("impact-mash-tl4-sut", "peaks", "mean_50ms"),
 ])  # fmt: skip

@@ -154,17 +154,6 @@ def test_what_is_left_out_is_said(tmp_path):
     assert (summary["cost"]["pictures_s"], {path.name for path in out.iterdir()}) == (0.0, FILES)
 
 
-def test_a_failed_check_ends_with_one_and_keeps_the_files(tmp_path, capsys):
-    words = ["run", "paper-table-3", *FLUTTER, "--no-pictures", "--out", str(tmp_path / "bad")]
-    assert _status(words) == 1
-    said = capsys.readouterr().out
-    for word in ("Failed", "damping"):
-        assert word in said
-    summary = json.loads((tmp_path / "bad" / "summary.json").read_text())
-    assert summary["passed"] is False
-    assert "Failed" in (tmp_path / "bad" / "report.html").read_text()
-
-
 def test_a_run_that_diverges_is_reported_too(tmp_path, capsys, besides_compiling):
     words = ["run", "paper-table-3", *FLUTTER, "--set", "plate.youngs_modulus=20 TPa"]
     assert _status([*words, "--out", str(tmp_path / "bad")]) == 1
@@ -181,22 +170,6 @@ def test_a_run_without_a_plate_is_refused_and_rigid_does_without(tmp_path, monke
     assert "plate: given no value" in capsys.readouterr().err
     for command in ("rigid", "check"):
         assert _status([command, *bare]) == 0
-
-
-def test_an_earlier_result_is_replaced_and_what_was_added_or_changed_is_not(tmp_path, capsys):
-    out = tmp_path / "out"
-    arguments = ["run", "paper-abaqus", "--no-pictures", "--out", str(out)]
-    assert _status(arguments) == 0
-    (out / "notes.txt").write_text("mine")
-    first = (out / "summary.json").read_text()
-    assert _status(arguments) == 0
-    assert (out / "summary.json").read_text() != first  # it has times in it
-    assert {path.name for path in out.iterdir()} == FILES | {"notes.txt"}
-    assert {path.name for path in tmp_path.iterdir()} == {"out"}
-    (out / "report.html").write_text("mine")
-    assert _status(arguments) == 2
-    assert "its file report.html was modified" in capsys.readouterr().err
-    assert (out / "report.html").read_text() == "mine"
 
 
 def long_run(tmp_path, stderr):

@@ -209,12 +209,6 @@ def test_tables_of_an_impact_convert_before_they_round(monkeypatch):
     assert second_columns(wall) == cells
 
 
-def test_si_stays_the_default():
-    plan = CornerCase(*read_scene("mash-tl4-sut"))
-    assert plan.rigid_text() == plan.rigid_text("si")
-    assert "kip" not in "\n".join(plan.rigid_text())
-
-
 def test_json_is_si_always(capsys):
     assert cli._status(["rigid", "mash-tl4-sut", "--json", "--units", "us"]) == 2
     out, err = capsys.readouterr()

@@ -612,11 +612,6 @@ def test_history_has_empty_entries_for_what_is_not_finite(tmp_path):
     np.testing.assert_array_equal(back["t"], columns["t"])
 
 
-def test_history_is_a_csv_with_a_header(tmp_path):
-    path = write_history(tmp_path / "history.csv", {"t": [0.0, 0.5], "slide": [1.0, 0.1]})
-    assert path.read_text() == "t,slide\n0,1\n0.5,0.10000000000000001\n"
-
-
 @pytest.mark.parametrize("rows", [0, 1])
 def test_short_histories(tmp_path, rows):
     path = write_history(tmp_path / "h.csv", {"t": np.zeros(rows), "omega": np.ones(rows)})
@@ -642,26 +637,20 @@ def refuse(constant):
 def test_summary_is_strict_json_in_the_order_given(tmp_path):
     summary = {
         **{"scene": "θ", "passed": np.bool_(False)},
-        "fe": {"t": np.float64(0.1), "omega": math.nan, "slide": np.inf},
+        "fe": {"t": np.float64(0.1 + 0.2), "omega": math.nan, "slide": np.inf},
         "checks": [{"name": "energy balance", "value": -math.inf, "limit": 0.01}],
         **{"cost": {"steps": np.int64(7400), "elements": np.array([20, 6])}, "out": tmp_path},
     }
     path = write_summary(tmp_path / "summary.json", summary)
     text = path.read_text(encoding="utf-8")
     assert json.loads(text, parse_constant=refuse) == {
-        **{"scene": "θ", "passed": False, "fe": {"t": 0.1, "omega": None, "slide": None}},
+        **{"scene": "θ", "passed": False, "fe": {"t": 0.1 + 0.2, "omega": None, "slide": None}},
         "checks": [{"name": "energy balance", "value": None, "limit": 0.01}],
         **{"cost": {"steps": 7400, "elements": [20, 6]}, "out": str(tmp_path)},
     }
     assert list(json.loads(text)) == list(summary)
     assert text.startswith('{\n  "scene": "θ",\n')
     assert text.endswith("}\n")
-
-
-def test_summary_keeps_every_digit(tmp_path):
-    value = 0.1 + 0.2
-    back = json.loads(write_summary(tmp_path / "s.json", {"t": np.float64(value)}).read_text())
-    assert back["t"] == value
 
 
 def test_summary_refuses_what_json_does_not_know(tmp_path):

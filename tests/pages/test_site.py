@@ -97,9 +97,6 @@ FIELDS = "output.fields=20"
 OMITTED = re.compile("--random|study flexibility mash-tl4-sut")
 """Commands that are run by `test_a_long_command_runs` alone."""
 
-PICTURED = "tailslap run mash-tl4-sut"
-"""The run whose pictures are drawn here; those of other scenes: test_contours.py."""
-
 LONG = re.compile(r"study (?!uncertainty)|--vary \S+ --vary")
 ELSEWHERE = ("dask scheduler\n", "python3 bootstrap.py --dev && ")
 """Beginnings of blocks that other tests run, and of the installation."""
@@ -335,8 +332,9 @@ def folder(tmp_path_factory):
 def test_a_page_runs(page, folder, monkeypatch):
     """Commands of a page run, without the large campaigns.
 
-    Long studies compute one part, large sweeps the corners, others what `SMALLER` says. One run draws pictures. Random
-    cells compile loops of their own: `test_a_long_command_runs` has them, and the flexibility of a constrained corner.
+    Long studies compute one part, large sweeps the corners, others what `SMALLER` says. `test_command_line.py` has the
+    pictures. Random cells compile loops of their own: `test_a_long_command_runs` has them, and the
+    flexibility of a constrained corner.
     """
     place, commands_run = folder
     monkeypatch.chdir(place)
@@ -348,7 +346,7 @@ def test_a_page_runs(page, folder, monkeypatch):
     for step in SHOWN[page]:
         text = re.sub(r":\d+(?= |$)", ":2", step.text) if LONG.search(step.text) else step.text
         text = shortened(text) if SHORT.search(text) else text.replace(FIELDS, "output.fields=4")
-        if text.startswith("tailslap run ") and "--no-pictures" not in text and text != PICTURED:
+        if text.startswith("tailslap run ") and "--no-pictures" not in text:
             text += " --no-pictures"
         if step.kind != "command" or (text not in commands_run and not OMITTED.search(text)):
             do(replace(step, text=text), namespace)

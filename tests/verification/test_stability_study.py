@@ -281,22 +281,6 @@ def test_journal_is_taken_up_after_an_interrupt_and_removed_at_the_end(journal, 
     assert list(tmp_path.iterdir()) == []
 
 
-def test_journal_of_another_definition_is_begun_anew(journal):
-    with pytest.raises(Interrupted):
-        interrupt(journal(a=1), {"x": 1})
-    with journal(a=2) as changed:
-        assert changed.records == {}
-
-
-@pytest.mark.parametrize("foreign", [b"", b"diary\n", b"\xff\xfe\n", b"SQLite format 3\0" + bytes(4080)])
-def test_a_file_that_is_no_journal_is_refused_and_kept(journal, foreign):
-    path = journal(a=1).path
-    path.write_bytes(foreign)
-    with pytest.raises(InputError, match=r"\.out\.journal.* not a valid journal"), journal(a=1):
-        pass
-    assert (path.read_bytes(), [file.name for file in path.parent.iterdir()]) == (foreign, [path.name])
-
-
 def test_a_link_in_the_place_of_the_journal_is_refused(journal, tmp_path):
     with pytest.raises(Interrupted):
         interrupt(journal(a=1), {"x": 1})
