@@ -23,7 +23,9 @@ from fem.model.plate_model import PlateModel, build_model
 from fem.plate.kinds import ELEMENT_KINDS
 from fem.plate.properties import CornerProperties, PlateProperties, StepProperties
 from meshes import distorted, plate_mesh
+from tailslap.case.impact import space
 from tailslap.errors import InputError
+from tailslap.validation import calibration
 
 STEEL = {"thickness": 0.053, "density": 7800.0, "youngs_modulus": 200e9, "poissons_ratio": 0.3}
 LAWS = {"drag": Drag(0.47), "none": None, "signed": Signed(0.47)}
@@ -73,6 +75,23 @@ def temporary_folder(tmp_path_factory):
     yield
     del os.environ["TMPDIR"]
     tempfile.tempdir = before
+
+
+@pytest.fixture(scope="session", autouse=True)
+def kept_results():
+    """Keep motions in space and bands of forces, which many commands and pages of one scene state."""
+    bands, compute = dict[Any, Any](), calibration.calibrated_band
+
+    def kept(case):
+        key = case.scene, repr(case.source)
+        if key not in bands:
+            bands[key] = compute(case)
+        return bands[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(space, "solve", functools.lru_cache(maxsize=32)(space.solve))
+        patch.setattr(calibration, "calibrated_band", kept)
+        yield
 
 
 @pytest.fixture(scope="session")
