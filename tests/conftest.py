@@ -23,7 +23,7 @@ from fem.model.plate_model import PlateModel, build_model
 from fem.plate.kinds import ELEMENT_KINDS
 from fem.plate.properties import CornerProperties, PlateProperties, StepProperties
 from meshes import distorted, plate_mesh
-from tailslap.case.impact import space
+from tailslap.case.impact.space import answer as in_space
 from tailslap.errors import InputError
 from tailslap.validation import calibration
 
@@ -89,7 +89,7 @@ def kept_results():
         return bands[key]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(space, "solve", functools.lru_cache(maxsize=32)(space.solve))
+        patch.setattr(in_space, "solve", functools.lru_cache(maxsize=32)(in_space.solve))
         patch.setattr(calibration, "calibrated_band", kept)
         yield
 
