@@ -79,7 +79,10 @@ def temporary_folder(tmp_path_factory):
 
 @pytest.fixture(scope="session", autouse=True)
 def kept_results():
-    """Keep motions in space and bands of forces, which many commands and pages of one scene state."""
+    """Keep motions in space and bands of forces of a scene.
+
+    Many commands and pages state them.
+    """
     bands, compute = dict[Any, Any](), calibration.calibrated_band
 
     def kept(case):
