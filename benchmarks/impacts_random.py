@@ -147,10 +147,16 @@ def train_changes(seed: int, number: int) -> Draw:
             unit_keys |= {"kingpin": random.uniform(0.0, 0.1) * length, **hitch_length}
         units.append(unit_keys)
     tractor, *trailers = units
+    strips = [
+        {"unit": unit, "at": at, "stiffness": trailer["stiffness"]}
+        for unit, trailer in enumerate(trailers, 2)
+        for at in (0.0, trailer["length"])
+    ]
     keys = {
         "contact.stiffness": tractor.pop("stiffness"),
         **{f"vehicle.{key}": value for key, value in tractor.items()},
-        "trailer": trailers,
+        "trailer": [{key: trailer[key] for key in trailer if key != "stiffness"} for trailer in trailers],
+        "strip": strips,
     }
     size = [tractor[name] for name in ("length", "width", "mass")]
     return keys | common_changes(random, size, 25.0), size[0] / size[1]

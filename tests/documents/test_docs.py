@@ -1,6 +1,7 @@
 """Verify links, commands and citation of the documents, and the examples."""
 
 import functools
+import importlib
 import re
 import runpy
 import shlex
@@ -264,3 +265,15 @@ def test_every_benchmark_is_listed_and_has_help():
     sources = {name: (folder / name).read_text(encoding="utf-8") for name in listed}
     parsed = re.compile(r"[pP]arser\(|\.options\(")
     assert [name for name, source in sources.items() if not parsed.search(source)] == []
+
+
+def test_random_impacts_of_the_benchmark_are_scenes(monkeypatch):
+    """Vehicles and trains that it draws have keys of a scene."""
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    benchmark = importlib.import_module("impacts_random")
+    for draws in (benchmark.both_changes, benchmark.train_changes):
+        monkeypatch.setattr(benchmark, "drawn", draws)
+        cases = [benchmark.case_of(61, number, "default") for number in range(8)]
+        assert {len(case.scene.units) for case in cases} == (
+            {1} if draws is benchmark.both_changes else {2, 3, 4}
+        )
