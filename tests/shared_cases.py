@@ -9,5 +9,5 @@ from tailslap.scene.read import read_scene
 
 @functools.cache
 def case(name: str, *changes: str) -> Any:
-    """Return the case of a scene with changes, whose motion all tests share."""
+    """Return the case of a scene, which all tests share."""
     return case_of(*read_scene(name, changes))

@@ -144,7 +144,7 @@ def test_all_scenes_are_within_the_size():
 
 @pytest.fixture
 def opened(browser, file):
-    """Open the page until its band or refusal is there, and close it after the test."""
+    """Open the page until its band or refusal is there."""
     with contextlib.ExitStack() as stack:
 
         def open_page(address: str = "", path: Path = file, **options: Any) -> Any:
@@ -347,7 +347,7 @@ def test_a_plate_runs_by_its_button(opened):
 @in_chromium
 @pytest.mark.parametrize(("width", "scheme"), [(390, "dark"), (1280, "light")])
 def test_screens(opened, width, scheme):
-    """No fault by axe, and nothing beyond the window, in space and in the plane."""
+    """No fault by axe, and nothing beyond the window."""
     tab = opened(f"#scene={TIPPING}", viewport={"width": width, "height": 900}, color_scheme=scheme)
     tab.wait_for_function("() => document.body.dataset.walls")
     tab.click("#run-plate")
