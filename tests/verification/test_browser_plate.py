@@ -16,7 +16,7 @@ pytestmark = pytest.mark.verification
 
 
 @pytest.mark.parametrize("name", [
-    "paper-table-3", *(pytest.param(name, marks=pytest.mark.long) for name in plate.SCENES[1:])
+    "paper-table-3", *(pytest.param(name, marks=pytest.mark.long) for name in (*plate.SCENES[1:], "mash-tl1-car"))
 ])  # fmt: skip
 def test_a_plate_is_that_of_the_command_and_in_webassembly(name):
     """They agree to 1e-9 of each column."""
