@@ -62,7 +62,7 @@ def least_time(solve: Callable[[], object], repeats: int = 9) -> float:
 
 def single(scene: str) -> None:
     """Print the time of one motion and of the lowest wall."""
-    arguments = space_input(case_of(*read_scene(scene)).scene).arguments
+    arguments = space_input(case_of(*read_scene(scene)).scene)
     for name, solve in (
         ("one motion, step of 0.25 ms", partial(solve_space, step=2.5e-4, points=1)),
         ("one motion with its error", solve_space),
@@ -77,7 +77,7 @@ def height_map(scene: str, count: int) -> None:
     """Print the time of a map over heights of wall and centre."""
     walls, centres = (heights.ravel() for heights in np.meshgrid(*2 * [np.linspace(0.6, 1.4, count)]))
     heights = {"wall.height": walls, "body.centre_height": centres + 0.4}
-    arguments = space_input(case_of(*read_scene(scene)).scene, heights).arguments
+    arguments = space_input(case_of(*read_scene(scene)).scene, heights)
     spent = least_time(partial(solve_spaces, *arguments), 1)
     row(f"map of {count} x {count} heights, {scene}", "8 s", f"{spent:.1f} s")
 

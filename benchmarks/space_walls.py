@@ -24,7 +24,7 @@ INCH = 0.0254
 def on_wall(inputs: SpaceInput, profile: str, height: float) -> SpaceMotion:
     """Solve the motion on a wall of this profile and height [in]."""
     wall = replace(inputs.wall, height=height * INCH, profile=profile)
-    vehicle, _, speed, angle = inputs.arguments
+    vehicle, _, speed, angle = inputs
     return solve_space(vehicle, wall, speed, angle)
 
 
@@ -48,7 +48,7 @@ def main() -> None:
         motions = [on_wall(inputs, profile, height) for height in options.heights]
         error = max(error, *(motion.error for motion in motions))
         wall = replace(inputs.wall, profile=profile)
-        lowest, uncertain = lowest_wall(*replace(inputs, wall=wall).arguments)
+        lowest, uncertain = lowest_wall(*inputs._replace(wall=wall))
         print(
             f"| {profile} | {' | '.join(map(entry, motions))} | {lowest:.3f} ± {uncertain:.3f} |", flush=True
         )

@@ -264,8 +264,8 @@ def tell(name: str, ours: Angles, theirs: Angles, required: str = "1 %") -> None
 def compare(name: str, changes: tuple[str, ...]) -> None:
     """Compare both under the force of an impact."""
     inputs = space_input(read_scene(SCENE, changes)[0])
-    vehicle, _, speed, angle = inputs.arguments
-    push = applied(solve_space(*inputs.arguments, interval=INTERVAL).history)
+    vehicle, _, speed, angle = inputs
+    push = applied(solve_space(*inputs, interval=INTERVAL).history)
     free = replace(vehicle, strips=UNTOUCHED)
     ours = solve_space(free, FAR, speed, angle, interval=INTERVAL, end=LONG, push=push)
     theirs, _ = Truck(vehicle, speed, angle).follow(len(ours.history["t"]), push)
@@ -275,7 +275,7 @@ def compare(name: str, changes: tuple[str, ...]) -> None:
 def engine() -> None:
     """Compare a contact in the engine with strips, and its force."""
     inputs = space_input(read_scene(SCENE, ())[0])
-    vehicle, _, speed, angle = inputs.arguments
+    vehicle, _, speed, angle = inputs
     (unit,) = vehicle.units
     masses, slope = masses_of(unit, vehicle.axles), CORNER / THICK
     soft = f'condim="1" solref="{SOFT[0]} {SOFT[1]}"'

@@ -42,7 +42,7 @@ def model_of(case: ImpactCase) -> Model:
     scene, ranges = case.scene, space_samples.space_ranges(case, (), ())
     model.demand_space(case)
     inputs = space_input(scene)
-    fleet, count = fleet_of(*inputs.arguments), band_samples.SAMPLES_OF_SLOW
+    fleet, count = fleet_of(*inputs), band_samples.SAMPLES_OF_SLOW
     keys, values = _values(case, [item.key for item in ranges])
     places = {key: k for k, key in enumerate(keys)}
     parts = _parts(case, places, [item.key for item in ranges])

@@ -195,7 +195,7 @@ def sample_answers(scene: Scene, inputs: Mapping[str, Any], names: Iterable[str]
 
     inputs: see `expanded`. Raises RigidBodyError.
     """
-    answers = space.solve_spaces(*space_input(scene, expanded(scene, inputs)).arguments)
+    answers = space.solve_spaces(*space_input(scene, expanded(scene, inputs)))
     return {name: getattr(answers, name) for name in names}
 
 

@@ -29,7 +29,7 @@ def test_intrusion_of_a_truck_of_report_350(wall, published):
     for row in np.array(points).T[:SAMPLES]:
         values = dict(zip((item.key for item in ranges), map(float, row), strict=True))
         inputs = space_input(scene, space_samples.expanded(scene, values))
-        motion = solve_space(*inputs.arguments, step=1e-3)
+        motion = solve_space(*inputs, step=1e-3)
         over = intrusions(inputs.vehicle, inputs.wall, motion)
         largest.append(max(strip["intrusion"] for strip in over))
     lower, median, upper = np.percentile(largest, [5.0, 50.0, 95.0])

@@ -34,7 +34,7 @@ def test_a_motion_is_that_of_the_changed_scene(scene, changes):
     """Quantities that the scene omits follow from the changed ones."""
     (reason, _, count), (_, _, room, curves), _ = called(case(scene), "space", changes)
     inputs = space_input(case_of_scene(scene, changes).scene)
-    fleet, one = fleet_of(*inputs.arguments), solve_spaces(*inputs.arguments)
+    fleet, one = fleet_of(*inputs), solve_spaces(*inputs)
     fleet.units[:, 0, 15:] = 0.0  # the page has no sensor
     for ours, theirs in zip(room.fleet, fleet, strict=True):
         np.testing.assert_allclose(ours, theirs, rtol=1e-13, atol=1e-15)

@@ -144,7 +144,7 @@ def test_fractions_are_those_of_motions_of_their_own(study):
         "wall.height": np.full(springs.size, 36 * INCH), "contact.friction": study.inputs["contact.friction"],
         "body.centre_height": centre, "axle.0.spring": 0.2e6 * springs, "axle.1.spring": 0.35e6 * springs,
     }  # fmt: skip
-    direct = space.solve_spaces(*space_samples.space_input(scene, values).arguments)
+    direct = space.solve_spaces(*space_samples.space_input(scene, values))
     assert study.upright[wall] == np.mean(direct.outcome == 0)
     assert (study.answers["mean_50ms"][wall] == direct.mean_50ms).all()
     assert (study.answers["height"][wall] == direct.height).all()

@@ -144,7 +144,7 @@ def test_space_vehicles_are_possible(of):
         points, _ = sampling.sobol_points(ranges, outcomes.SAMPLES)
         inputs = dict(zip((item.key for item in ranges), points, strict=True))
         values = space_samples.expanded(vehicle_case.scene, inputs)
-        fleet = fleet_of(*space_input(vehicle_case.scene, values).arguments)
+        fleet = fleet_of(*space_input(vehicle_case.scene, values))
         assert len(fleet.units) == outcomes.SAMPLES
 
 
@@ -218,7 +218,7 @@ def test_outcomes_of_samples_are_motions_of_their_own():
         centre = inputs["body.centre_height"]
         changes |= {"strip.3.height": [1.2446, min(2.6, 2.0 * centre)]}
         scene, _ = vary(Source(tables=vehicle["scene"] | {"wall": case["wall"]}), changes)
-        single = space.solve_spaces(*space_input(scene).arguments)
+        single = space.solve_spaces(*space_input(scene))
         assert samples["outcome"][number] == single.outcome[0]
         assert samples["mean_50ms"][number] == pytest.approx(float(single.mean_50ms[0]), rel=1e-9)
 

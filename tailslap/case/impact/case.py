@@ -99,31 +99,25 @@ class ImpactCase(rigid.RigidImpact):
 
         if outcome is None:
             row = {"status": "passed", "reason": "", **_answer_columns("rigid", self.answer)}
-            return row | self._space_columns() | self._inertial_column()
+            return row | self._further_columns()
         return {
             **check_columns(outcome.checks),
             **_answer_columns("rigid", outcome.rigid),
             **_answer_columns("fe", outcome.fe),
-            **self._space_columns(),
-            **self._inertial_column(),
+            **self._further_columns(),
             **{f"difference.{name}": value for name, value in outcome.difference.items()},
             "numerical_error": outcome.stated_error,
             **{f"cost.{name}": value for name, value in run_cost(outcome).items()},
         }
 
-    def _inertial_column(self) -> dict[str, object]:
-        """Return the column of the inertial estimate, if any."""
-        return {"inertial.mean_50ms": self.inertial["mean_50ms"]} if self.inertial else {}
-
-    def _space_columns(self) -> dict[str, object]:
-        """Return the columns of the vehicle in space, if any."""
-        if self.space is None:
-            return {}
-        numbers = self.space.numbers()
-        columns = {name: numbers[name] for name in SPACE} | {
-            name: numbers["force"][name] for name in SPACE_FORCE
-        }
-        return {f"space.{name}": value for name, value in columns.items()}
+    def _further_columns(self) -> dict[str, object]:
+        """Return columns in space and of the inertial estimate, if any."""
+        columns = dict[str, object]()
+        if self.space:
+            numbers = self.space.numbers()
+            columns = {f"space.{name}": numbers[name] for name in SPACE}
+            columns |= {f"space.{name}": numbers["force"][name] for name in SPACE_FORCE}
+        return columns | ({"inertial.mean_50ms": self.inertial["mean_50ms"]} if self.inertial else {})
 
 
 def _run(case: ImpactCase) -> ImpactOutcome:

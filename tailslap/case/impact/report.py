@@ -148,11 +148,10 @@ class ImpactReport(run_report.FeReport):
     def summary(self, pictures: bool) -> dict[str, Any]:
         """Return the content of `summary.json`, SI."""
         outcome, case = self.outcome, self.outcome.fe_plan.case
-        numbers = case.space.numbers() if case.space else None
         in_space: dict[str, Any] = {}
-        if numbers:
-            loads = design_ratios(case, numbers["force"]["mean_50ms"])
-            in_space = {"space": numbers, "design_forces": loads}
+        if case.space:
+            numbers = case.space.numbers()
+            in_space = {"space": numbers, "design_forces": design_ratios(case, numbers["force"]["mean_50ms"])}
         return super().summary(pictures) | {
             "rigid": outcome.rigid.numbers(),
             "fe": outcome.fe.numbers(),

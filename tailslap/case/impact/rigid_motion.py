@@ -17,18 +17,8 @@ from solver import impact
 from solver.impact.solve import loads_at_rest
 from tailslap import progress
 from tailslap.case.case import WHOLE_IMPACT, Case
-from tailslap.case.impact import answers, strike_columns
+from tailslap.case.impact import answers, rigid_input, strike_columns
 from tailslap.case.impact.paper_method import paper_method
-from tailslap.case.impact.rigid_input import (
-    ARGUMENTS,
-    OF_CORNERS,
-    at_table,
-    refusals,
-    rigid_vehicle,
-    sensor_position,
-    touching,
-    wall_contact,
-)
 from tailslap.errors import InputError, Missing
 from tailslap.scene.schema import value_at
 
@@ -109,16 +99,18 @@ class RigidMotion(Case):
     @cached_property
     def vehicle(self) -> impact.ImpactVehicle:
         """The rigid vehicle."""
-        with refusals(self.scene):
-            return rigid_vehicle(self.scene.vehicle)
+        with rigid_input.refusals(self.scene):
+            return rigid_input.rigid_vehicle(self.scene.vehicle)
 
     @cached_property
     def trailers(self) -> tuple[impact.HitchedVehicle, ...]:
         """Rigid trailers behind the vehicle."""
         trailers = list[impact.HitchedVehicle]()
         for number, unit in enumerate(self.scene.trailer):
-            with refusals(self.scene, f"trailer.{number}"):
-                trailers.append(impact.HitchedVehicle(rigid_vehicle(unit), unit.hitch, unit.kingpin))
+            with rigid_input.refusals(self.scene, f"trailer.{number}"):
+                trailers.append(
+                    impact.HitchedVehicle(rigid_input.rigid_vehicle(unit), unit.hitch, unit.kingpin)
+                )
         return tuple(trailers)
 
     @property
@@ -134,8 +126,8 @@ class RigidMotion(Case):
     @cached_property
     def contact(self) -> impact.WallContact:
         """What touches the wall, with its laws."""
-        with refusals(self.scene):
-            return wall_contact(self.scene)
+        with rigid_input.refusals(self.scene):
+            return rigid_input.wall_contact(self.scene)
 
     @property
     def awaited(self) -> str | None:
@@ -159,7 +151,7 @@ class RigidMotion(Case):
     @property
     def loads(self) -> tuple[float, ...]:
         """Load of each of the `axles` at rest [N]."""
-        with refusals(self.scene):
+        with rigid_input.refusals(self.scene):
             return loads_at_rest(self.vehicle, self.contact, self.trailers, self.axles)
 
     @cached_property
@@ -168,7 +160,7 @@ class RigidMotion(Case):
         table = self.scene.impact
         assert self.contact
         assert table
-        with refusals(self.scene):
+        with rigid_input.refusals(self.scene):
             return impact.first_touch(self.vehicle, table.angle, table.speed, self.trailers, self.contact)
 
     @cached_property
@@ -182,7 +174,7 @@ class RigidMotion(Case):
         None: `AFTER_SECOND` after the second strike, for a train after that of the last rear, or when a strike then in
         progress is over.
         """
-        with refusals(self.scene):
+        with rigid_input.refusals(self.scene):
             case = self.vehicle, self.contact, self.touch, self.trailers, self.axles
             return _solved(case, end, TRAIN_TOLERANCE if self.trailers else impact.TOLERANCE)
 
@@ -222,8 +214,8 @@ class RigidMotion(Case):
     @property
     def arguments(self) -> tuple[str, ...]:
         """Keys of the scene that the impact depends on."""
-        numbers, laws = range(len(self.trailers)), [*touching(self.scene)]
-        keys = dict.fromkeys(ARGUMENTS)
+        numbers, laws = range(len(self.trailers)), [*rigid_input.touching(self.scene)]
+        keys = dict.fromkeys(rigid_input.ARGUMENTS)
         keys |= dict.fromkeys(f"trailer.{number}.{key}" for number in numbers for key in OF_A_TRAILER)
         keys |= dict.fromkeys(key.partition("@")[0] for part in laws for key in part.keys.values())
         unused = {
@@ -232,7 +224,7 @@ class RigidMotion(Case):
             if value_at(self.scene, key) is None and key.startswith(("contact.", "strip."))
         }
         if not self.scene.of_corners:
-            unused |= {key for key in OF_CORNERS if key != "contact.restitution"}
+            unused |= {key for key in rigid_input.OF_CORNERS if key != "contact.restitution"}
         axles = (f"axle.{number}.{key}" for number in range(len(self.scene.axle)) for key in OF_AN_AXLE)
         inertia = ("vehicle.yaw_inertia",) if self.scene.vehicle.yaw_inertia is not None else ()
         return (*(key for key in keys if key not in unused), *inertia, *axles)
@@ -254,22 +246,22 @@ class RigidMotion(Case):
         """
         middle = self.scene.vehicle.centre_of_mass  # None: at half the length of each
         values: dict[str, Any] = {**self.inputs, "vehicle.centre_of_mass": middle, **inputs}
-        arguments = at_table(values, ("impact", "vehicle"))
+        arguments = rigid_input.at_table(values, ("impact", "vehicle"))
         if (inertia := self.scene.vehicle.yaw_inertia) is not None and "vehicle.yaw_inertia" not in inputs:
             arguments["yaw_inertia"] = inertia / self.vehicle.mass * np.asarray(values["vehicle.mass"])
         trailers = []
         for number, trailer in enumerate(self.trailers):
-            unit = at_table(values, (f"trailer.{number}",))
+            unit = rigid_input.at_table(values, (f"trailer.{number}",))
             unit["yaw_inertia"] = unit["yaw_inertia"] * np.asarray(unit["mass"]) / trailer.vehicle.mass
             trailers.append(unit)
         axles = [
-            {**at_table(values, (f"axle.{number}",)), "unit": axle.unit - 1}
+            {**rigid_input.at_table(values, (f"axle.{number}",)), "unit": axle.unit - 1}
             for number, axle in enumerate(self.scene.axle)
         ]
-        with refusals(self.scene):
+        with rigid_input.refusals(self.scene):
             return impact.solve_impacts(
-                **arguments, contact=wall_contact(self.scene, inputs), trailers=trailers, axles=axles, longest=LONGEST,
-                **until,
+                **arguments, contact=rigid_input.wall_contact(self.scene, inputs), trailers=trailers, axles=axles,
+                longest=LONGEST, **until,
             )  # fmt: skip
 
     def many(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -304,7 +296,10 @@ class RigidMotion(Case):
             is_assumed = not is_placed or sensor is None or sensor.height is None
             mean = float(self.space.motion.answers.inertial_50ms)
             return {"mean_50ms": mean, "position": position, "height": height, "assumed": is_assumed}
-        position, speed = float(sensor_position(self.scene, {})), self._sensor_velocity(self.in_plane)
+        position, speed = (
+            float(rigid_input.sensor_position(self.scene, {})),
+            self._sensor_velocity(self.in_plane),
+        )
         force = self.vehicle.mass * np.diff(speed) / self.in_plane.interval
         mean = float(force_curves(force, self.in_plane.interval, ("mean_50ms",))["mean_50ms"].max())
         return {"mean_50ms": mean, "position": position, "assumed": not is_placed}
@@ -314,7 +309,7 @@ class RigidMotion(Case):
         h = answer.history
         if answer.in_space:
             return h[SENSOR]
-        arm = self.vehicle.front_distance - float(sensor_position(self.scene, {}))
+        arm = self.vehicle.front_distance - float(rigid_input.sensor_position(self.scene, {}))
         speed: np.ndarray = h["v_gy"] + h["omega"] * arm * np.cos(h["theta"])
         return speed
 
@@ -337,7 +332,7 @@ class RigidMotion(Case):
             return None
         from tailslap.case.impact.space.input import space_input
 
-        with refusals(self.scene):
+        with rigid_input.refusals(self.scene):
             return space_input(self.scene)
 
     @cached_property
@@ -347,7 +342,7 @@ class RigidMotion(Case):
             return None
         from tailslap.case.impact.space.answer import solve
 
-        with refusals(self.scene):
+        with rigid_input.refusals(self.scene):
             return solve(self.space_input)
 
     @property

@@ -79,7 +79,7 @@ class SpaceAnswer:
         The steps are at most those of the motion.
         """
         step, points = self.motion.step, self.motion.points
-        motion = space.solve_space(*self.inputs.arguments, interval=SAMPLE, step=step, points=points)
+        motion = space.solve_space(*self.inputs, interval=SAMPLE, step=step, points=points)
         h = motion.history
         ends = ("", *(f"_{unit}" for unit in range(2, 1 + len(self.inputs.vehicle.units))))
         for end in ends:
@@ -286,8 +286,8 @@ def solve(inputs: SpaceInput) -> SpaceAnswer:
 
     Raises RigidBodyError for steps that are too short.
     """
-    motion = space.solve_space(*inputs.arguments, on_compile=progress.compiling)
-    return SpaceAnswer(inputs, motion, *space.lowest_wall(*inputs.arguments, on_compile=progress.compiling))
+    motion = space.solve_space(*inputs, on_compile=progress.compiling)
+    return SpaceAnswer(inputs, motion, *space.lowest_wall(*inputs, on_compile=progress.compiling))
 
 
 def section(answer: SpaceAnswer) -> Section:

@@ -1,8 +1,7 @@
 """Input of the vehicle in space from a scene with [body]."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,22 +18,16 @@ from tailslap.case.impact.rigid_input import SENSOR_HEIGHT, sensor_position
 from tailslap.scene.schema import Scene, value_at
 
 
-@dataclass(frozen=True)
-class SpaceInput:
-    """Arguments of `solver.space`, floats or arrays of n samples.
+class SpaceInput(NamedTuple):
+    """Arguments of the functions of `solver.space`, floats or arrays of n samples.
 
     speed [m/s]; angle [rad].
     """
 
     vehicle: space.SpaceVehicle
     wall: space.SpaceWall
-    speed: Number
-    angle: Number
-
-    @property
-    def arguments(self) -> tuple[space.SpaceVehicle, space.SpaceWall, Any, Any]:
-        """Return the arguments of the functions of `solver.space`."""
-        return self.vehicle, self.wall, self.speed, self.angle
+    speed: Any
+    angle: Any
 
 
 def space_input(scene: Scene, values: Mapping[str, Number] | None = None) -> SpaceInput:
@@ -57,7 +50,7 @@ def space_input(scene: Scene, values: Mapping[str, Number] | None = None) -> Spa
     height = value("sensor.height", np.minimum(SENSOR_HEIGHT, units[0].centre_height))
     vehicle = space.SpaceVehicle(units, axles, strips, (sensor_position(scene, values), height))
     inputs = SpaceInput(vehicle, wall, value("impact.speed"), value("impact.angle"))
-    fleet_of(*inputs.arguments)
+    fleet_of(*inputs)
     return inputs
 
 
