@@ -188,20 +188,14 @@ def _stage_table(numbers: dict[str, float], title: str) -> Table:
 
 
 def peak_table(outcome: CornerOutcome) -> Table:
-    """Return the peak forces of plate and rigid body by Stage 3.
-
-    Also that of the rigid body by the other convention of restitution.
-    """
+    """Return the peak forces of plate and rigid body by Stage 3."""
     case = outcome.fe_plan.case
     peaks = {"fe": outcome.lateral_force if outcome.fe else None, "rigid": float(case.force.peak_force)}
     means = {name: peak and case.mean_force(peak) for name, peak in peaks.items()}
-    rows: list[dict[str, object]] = [
+    rows = (
         {"what": f"Peak of a triangle of {1e3 * case.scene.strike.duration:g} ms", **peaks},
         {"what": "50 ms mean", **means},
-    ]
-    if convention := case.other_convention():
-        label = f"Peak with {rigid_stages.CONVENTIONS[convention[0]]}"
-        rows.append({"what": label, "fe": None, "rigid": convention[1].force.peak_force})
+    )
     return Table(PEAKS, rows, notes=(STAGE_3,))
 
 

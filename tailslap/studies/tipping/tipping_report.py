@@ -260,8 +260,7 @@ def _sentences(result: TippingResult) -> list[str]:
     count, rows = result.count, result.count // 2
     return [
         f"Profile of the wall: {result.profile}. The same {grouped(count)} samples strike {result.walls.size} walls; "
-        "lowest walls are interpolated between these. From the lowest wall on, all walls keep the fraction upright."
-        f"{_decrease(result)}",
+        "lowest walls are interpolated between these. From the lowest wall on, all walls keep the fraction upright.",
         f"Samples: {grouped(count)} points of {sampling.points_in_words(len(result.ranges), rows)} (seed "
         f"{sampling.SEED}); inputs are independent and uniformly distributed. Results are reproducible.",
         f"Map: nominal vehicle; lines: {LINE_SAMPLES} samples at each of {result.line_centres.size} heights of the "

@@ -147,7 +147,7 @@ def _corner_summary(result: Spread, drawn: Record, held: tuple[str, ...]) -> Rec
 
 def _corner_answer(result: Spread, inputs: list[Record]) -> tuple[str, str]:
     """Return answer and certainty on the peak force."""
-    band, nominal, (refused, _) = result.band("peak_force"), result.nominal["peak_force"], result.refused
+    band, nominal = result.band("peak_force"), result.nominal["peak_force"]
     low, _, high = band.percentiles
     answer = (
         f"Peak lateral force at the tail-slap: mean {force(band.mean)}, standard deviation "
@@ -157,10 +157,6 @@ def _corner_answer(result: Spread, inputs: list[Record]) -> tuple[str, str]:
     )
     certainty = f"{grouped(result.computed)} samples"
     certainty += f"; largest part of the variance from {main_source(inputs[0])}." if inputs else "."
-    if refused:
-        certainty += (
-            f" {100.0 * refused / result.computed:.2g} % of them have no solution and are not included."
-        )
     return answer, certainty
 
 
