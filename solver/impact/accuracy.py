@@ -95,14 +95,14 @@ def solve_sample(case, outcome, i, rows):
     if not clock.end < np.inf and _has_passed(train, state, i):
         clock.reached[i], outcome.error[i], outcome.verdict[i] = end, np.inf, PASSED
         return
-    other, compared, no_rows = outcome.other_state, outcome.other_strikes, rows[rows.shape[0] :]
-    other_end, compared_count = _run(case, outcome, i, aimed, 2.0 * aimed, other, no_rows, compared)
+    coarse_state, compared, no_rows = outcome.other_state, outcome.other_strikes, rows[rows.shape[0] :]
+    other_end, compared_count = _run(case, outcome, i, aimed, 2.0 * aimed, coarse_state, no_rows, compared)
     error = _error(train, choice, outcome, i, end, other_end, turning)
     counted = max(counted, compared_count)
     while (
         np.isnan(choice.step) and error > choice.tolerance * aimed / step and 2.0 * end <= choice.most * step
     ):
-        _copy(state, other)
+        _copy(state, coarse_state)
         _copy(strikes, compared)
         other_end = end
         end, compared_count = _run(case, outcome, i, aimed, 0.5 * step, state, rows, strikes)
@@ -234,7 +234,7 @@ def _error(train, choice, outcome, i, end, other_end, turning):
 
 
 @compiled
-def _change_of_spin(state, other, strikes, ends_differ, turning):
+def _change_of_spin(state, coarse_state, strikes, ends_differ, turning):
     """Return the largest change of spin [-].
 
     It is compared with itself plus a tenth of speed over size: infinite where a value is not finite, 0 for a vehicle
@@ -245,7 +245,7 @@ def _change_of_spin(state, other, strikes, ends_differ, turning):
         for k in range(6):
             if not abs(state[u, k]) < np.inf:
                 return np.inf
-        largest = max(largest, abs(other[u, 5] - state[u, 5]) / (abs(state[u, 5]) + 0.1 * turning))
+        largest = max(largest, abs(coarse_state[u, 5] - state[u, 5]) / (abs(state[u, 5]) + 0.1 * turning))
     for s in range(strikes.shape[0]):
         goes_on = goes_on or (strikes[s, col.CUT] == 1.0 and ends_differ)
     return 0.0 if goes_on else largest
@@ -276,8 +276,9 @@ def _change(fine, coarse, is_over, weight):
     largest = abs(coarse[3] / fine[3] - 1.0)
     if is_over:
         largest = max(largest, abs(coarse[4] / fine[4] - 1.0))
-        duration, other = fine[2] - fine[1], coarse[2] - coarse[1]
-        largest = max(largest, abs(other**weight / duration**weight - 1.0) if duration != other else 0.0)
+        duration, coarse_duration = fine[2] - fine[1], coarse[2] - coarse[1]
+        change = coarse_duration**weight / duration**weight - 1.0
+        largest = max(largest, abs(change) if duration != coarse_duration else 0.0)
     return largest
 
 

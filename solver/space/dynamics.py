@@ -183,7 +183,7 @@ def _add_axle(axle, b, q):
     q[SHARE], q[SHARE + 1], q[SHARE + 2] = d22 / determinant, -d12 / determinant, m / determinant
     q0 = q[SHARE] * q[JOINT_LOAD] + q[SHARE + 1] * q[JOINT_LOAD + 1]
     q1 = q[SHARE + 1] * q[JOINT_LOAD] + q[SHARE + 2] * q[JOINT_LOAD + 1]
-    for j in range(6):
+    for j in range(1, 6):  # both joints slide across the first axis
         heave, roll = q[COLUMN + j], q[COLUMN + 6 + j]
         b[LOAD + j] -= heave * q0 + roll * q1
         f0, f1 = q[SHARE] * heave + q[SHARE + 1] * roll, q[SHARE + 1] * heave + q[SHARE + 2] * roll
@@ -267,8 +267,9 @@ def move(bodies, joints, h):
         x, y, z = b[SPIN], b[SPIN + 1], b[SPIN + 2]
         rate = np.sqrt(x * x + y * y + z * z)
         half = 0.5 * h * rate
-        scale = 0.5 * h if rate == 0.0 else np.sin(half) / rate
-        c, x, y, z = np.cos(half), scale * x, scale * y, scale * z
+        c, s = np.cos(half), np.sin(half)
+        scale = 0.5 * h if rate == 0.0 else s / rate
+        x, y, z = scale * x, scale * y, scale * z
         w, i, j, k = b[TURN], b[TURN + 1], b[TURN + 2], b[TURN + 3]
         w, i, j, k = (
             w * c - i * x - j * y - k * z,
@@ -312,15 +313,15 @@ def close_hinges(units, axle_unit, work, last, h):
             vx, vy, vz = _point_change(b, b[SPIN], b[SPIN + 1], b[SPIN + 2], x, z)
             for i, rate, place in ((0, vx, px), (1, vy, py), (2, vz, pz)):
                 tie[width * (3 * k + i) + size] -= sign * (b[SPEED + i] + rate + (b[AT + i] + place) / h)
-            for other in range(max(u - 1, 0), min(u + 1, hinges)):  # hinges on the same unit
-                far = u - other
+            for hinge in range(max(u - 1, 0), min(u + 1, hinges)):  # those on the same unit
+                far = u - hinge
                 both = sign * (1.0 - 2.0 * far)
                 for j in range(3):
-                    y = effect[6 * other + 3 * far + j]
+                    y = effect[6 * hinge + 3 * far + j]
                     vx, vy, vz = _point_change(b, y[3], y[4], y[5], x, z)
                     ax, ay, az = rotated(b, y[0], y[1], y[2])
                     for i, value in ((0, ax + vx), (1, ay + vy), (2, az + vz)):
-                        tie[width * (3 * k + i) + 3 * other + j] += both * value
+                        tie[width * (3 * k + i) + 3 * hinge + j] += both * value
     factor(tie, 0, size, width)
     solve_factored(tie, 0, size, width, tie, size, width)
     for k in range(hinges):

@@ -202,7 +202,7 @@ def solve_space(
         motions=motions,
         choice=Choice(float(points), not step, tolerance),
     )
-    one, *others = motions.at
+    one, *compared = motions.at
     answers = answers_of(fleet, motions.answers[one : one + 1], motions.rolls[one : one + 1])
     Gate().demand(rules.NO_CONTACT, bool(answers.rows[0]), float(fleet.height[0]))
     names, strips = column_names(fleet.units.shape[1], fleet.axles.shape[1]), push_names(vehicle)
@@ -220,7 +220,7 @@ def solve_space(
     return SpaceMotion(
         UNDECIDED if undecided else OUTCOMES[int(answers.outcome[0])],
         SpaceAnswers(*(values[0] for values in answers)),
-        history, pushes(one), () if step else tuple(map(pushes, others)),
+        history, pushes(one), () if step else tuple(map(pushes, compared)),
         interval / parts, finer, step_error, strip_error, other_error,
         tuple(motions.heights[: int(heights)].tolist()),
     )  # fmt: skip

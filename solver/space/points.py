@@ -127,30 +127,35 @@ def press_points(law, memories, places, rates, crest, wall, facets):
             continue
         weight = 1.0
         if z + crest.half > crest.top or memory[col.ABOVE] > 0.0:
+            if z - crest.half > crest.top and y < crest.edge - 2.0 * EDGE:
+                memory[col.ABOVE], raised = 1.0, True
+                continue
             weight = _part_on_face(memory, y, z, crest)
             if memory[col.ABOVE] > 0.0:
                 raised = True
-                if _depth_below_top(memory, z, crest) > 0.0:
+                depth, sunk = _on_top(memory, z, crest)
+                touches = touches or sunk > 0.0
+                if sunk > 0.0 and depth > memory[col.TOP + col.FOOT]:
                     first, last = min(first, n), n + 1
             if weight <= 0.0:
                 continue
+        if touches and crest.toe - y <= memory[col.FOOT]:  # as below, for any profile
+            continue
         face, k = point_of_face(wall, facets, z)
-        if face + law.early <= y:
+        touches = touches or face > y
+        if face - y <= max(memory[col.FOOT], 0.0) - law.early:  # the depth is no larger
             continue
         ny, nz = mean_normal(wall, facets, k, z - crest.half, z + crest.half)
         depth = (face - y) * ny
-        touches = touches or depth > 0.0
         press = _pressed(press, law, memory, col.FACE, p, depth, weight, ny, nz, places, rates)
     for n in range(first, last):  # those in part on the top
         p, memory = spacing * (n + 0.5), memories[n]
         _, _, z = between(places, p)
-        lowest = _depth_below_top(memory, z, crest)
-        sunk = min(lowest, 2.0 * crest.half * memory[col.ABOVE])
-        if sunk <= 0.0:
-            continue
-        depth, weight = lowest - 0.5 * sunk, sunk * crest.upward
-        touches = touches or depth > 0.0
-        press = _pressed(press, law, memory, col.TOP, p, depth, weight, 0.0, 1.0, places, rates)
+        depth, sunk = _on_top(memory, z, crest)
+        if sunk > 0.0:
+            press = _pressed(
+                press, law, memory, col.TOP, p, depth, sunk * crest.upward, 0.0, 1.0, places, rates
+            )
     memories[0, col.RAISED] = 1.0 if raised else 0.0
     return press, touches
 
@@ -177,9 +182,6 @@ def _part_on_face(memory, y, z, crest):
 
     Sets the part that was above the top.
     """
-    if z - crest.half > crest.top and y < crest.edge - 2.0 * EDGE:
-        memory[col.ABOVE] = 1.0
-        return 0.0
     above = min(max(0.5 + (z - crest.top) * crest.upward, 0.0), 1.0)
     share = min(max(memory[col.ABOVE], above), min(max((crest.edge - y) * INWARD, 0.0), 1.0))
     memory[col.ABOVE] = share
@@ -187,9 +189,14 @@ def _part_on_face(memory, y, z, crest):
 
 
 @inlined
-def _depth_below_top(memory, z, crest):
-    """Return the depth of the lowest part that was above [m]."""
-    return crest.top - z + crest.half * (2.0 * memory[col.ABOVE] - 1.0)
+def _on_top(memory, z, crest):
+    """Return depth and length of the part on the top [m].
+
+    It was above the top, and lies below it where the length is above 0.
+    """
+    lowest = crest.top - z + crest.half * (2.0 * memory[col.ABOVE] - 1.0)
+    sunk = min(lowest, 2.0 * crest.half * memory[col.ABOVE])
+    return lowest - 0.5 * sunk, sunk
 
 
 @inlined

@@ -27,10 +27,11 @@ def means(windows, sums, window, interval, answer):
 
     sums: overwritten.
     """
+    gain = 0.0
     for k in range(windows.shape[0]):
-        gain = windows[k, col.SENSED] - windows[max(k - window, 0), col.SENSED]
-        answer[col.INERTIAL] = max(answer[col.INERTIAL], gain / (window * interval))
+        gain = max(gain, windows[k, col.SENSED] - windows[max(k - window, 0), col.SENSED])
         answer[col.RAW] = max(answer[col.RAW], windows[k, col.LATERAL])
+    answer[col.INERTIAL] = gain / (window * interval)
     _add_largest(windows, col.MOMENT, window, sums)
     answer[col.MOMENT_MEAN] = sums[col.MOMENT] / window
     answer[col.MOMENT_HEIGHT], answer[col.MOMENT_LENGTH] = _height_and_length(sums)

@@ -102,12 +102,13 @@ mass of the first unit times the largest 50 ms mean of the acceleration of its s
 UPRIGHT, ON_ITS_SIDE, OVER, LOST = range(4)
 """Outcomes; the last where the motion became infinite."""
 
-TURNED, AT, SPEED, TURN, SPIN, RATE, NOW, LOAD, MATRIX, BODY_STATE = 0, 9, 12, 15, 19, 22, 28, 34, 40, 76
+TURNED, AT, SPEED, TURN, SPIN, RATE, NOW, LOAD, MATRIX = 0, 9, 12, 15, 19, 22, 28, 34, 40
+LARGEST, BODY_STATE = 76, 79
 """First columns of the state of a body.
 
 Rotation matrix by rows; place and velocity of the sprung centre in space; quaternion; spin in the body's axes;
 accelerations of velocity and spin over the last step; velocity and spin at this instant; force and moment in the
-body's axes; mass matrix by rows.
+body's axes; mass matrix by rows; sine, cosine and instant of the largest roll [s].
 """
 
 JOINT, JOINT_SPEED, JOINT_RATE, JOINT_NOW, JOINT_LOAD, WHEEL = range(0, 12, 2)
@@ -165,7 +166,7 @@ class Clock(NamedTuple):
 class SpaceWork(NamedTuple):
     """Workspace of one sample.
 
-    bodies, shape (units, 76); joints, shape (axles, 29); wall, (facets, 7): from y, z to y, z, normal and dy/dz;
+    bodies, shape (units, 79); joints, shape (axles, 29); wall, (facets, 7): from y, z to y, z, normal and dy/dz;
     memory, (points of both sides, 8); pushes, (strips of both sides, 29); sums, (10,): sums of the row and works;
     effect, (6 hinges, 6): accelerations of both units by unit forces; tie, (3 hinges, 3 hinges + 1), flat; windows,
     (rows, 7): means of the rows so far;

@@ -68,13 +68,13 @@ def _is_upright(fleet, clock, i, height, work):
 @compiled
 def follow(fleet, clock, i, height, work, rows, answer, rolls):
     """Follow sample i on a wall of this height to its end."""
-    units, axles, strips, parts = fleet.units[i], fleet.axles[i], fleet.strips[i], clock.parts[i]
+    units, strips, parts = fleet.units[i], fleet.strips[i], clock.parts[i]
     h = clock.interval / parts
     facets = wall_facets(fleet.profile, height, work.wall)
     edge = work.wall[facets - 1, 2]
     answer[:], rolls[:], work.sums[:], work.pushes[:], work.pulls[:] = 0.0, 0.0, 0.0, 0.0, 0.0
     bodies, joints, sums, before = work.bodies, work.joints, work.sums, work.before
-    if not _begin(fleet, i, units, axles, strips, facets, clock.is_end_fixed, work):
+    if not _begin(fleet, i, units, fleet.axles[i], strips, facets, clock.is_end_fixed, work):
         answer[col.OUTCOME] = col.OVER
         return
     stops = False
@@ -82,31 +82,9 @@ def follow(fleet, clock, i, height, work, rows, answer, rolls):
         stops = stops or returns_nothing(strips[k])
     touched, largest, touching, row, reached, outcome = 0.0, 0.0, False, 0, clock.longest, col.UPRIGHT
     for k in range(int(np.ceil(clock.longest / clock.interval * (1.0 - 1e-12))) * parts + 1):
-        t, last, ahead = k * h, h if k > 0 else 0.0, h if k > 0 else 0.5 * h
-        begin_step(bodies, joints, last)
-        for j in range(10):
-            before[j] = sums[j]
-        for p in range(work.pushes.shape[0] if rows.shape[0] > 0 else 0):
-            work.pushes[p, col.BEFORE] = work.pushes[p, col.PUSH]
-        for j in range(work.pulls.shape[1] if rows.shape[0] > 0 else 0):
-            work.pulls[1, j] = work.pulls[0, j]
-        press_axles(axles, fleet.axle_unit, bodies, joints, sums, ahead)
-        touches = press_strips(fleet, i, units, axles, strips, facets, work, ahead, 0.5 * h)
-        if clock.push.shape[0] > 0:
-            _push_at(clock.push, k, parts, units[0], bodies[0])
-        if units.shape[0] > 1:
-            twist_hinges(units, bodies)
-        assemble(units, axles, fleet.axle_unit, bodies, joints)
-        kick(fleet.axle_unit, bodies, joints, ahead)
-        if stops:
-            stop_strips(fleet, strips, work, ahead, False)
-        if units.shape[0] > 1:
-            close_hinges(units, fleet.axle_unit, work, ahead, h)
-            for _ in range(AGAIN if stops else 0):
-                stop_strips(fleet, strips, work, ahead, True)
-                close_hinges(units, fleet.axle_unit, work, ahead, h)
-        if stops:
-            add_stopped(strips, work)
+        t = k * h
+        touches = _press(fleet, clock, i, k, h, facets, work, rows.shape[0] > 0)
+        _accelerate(fleet, i, k, h, work, stops)
         force = sums[col.LATERAL] - before[col.LATERAL]
         largest = max(largest, force)
         if force > LEANING * largest:
@@ -115,18 +93,11 @@ def follow(fleet, clock, i, height, work, rows, answer, rolls):
             leave(units[0], bodies[0], answer)
         touching = touches
         if k % parts == 0:
-            end_row(sums, before, k == 0, parts, work.windows[row, : col.SENSED])
-            _, work.windows[row, col.SENSED], _ = point_velocity(
-                bodies[0], units[0, col.SENSOR_X], 0.0, units[0, col.SENSOR_Z], 0.0, 0.0
-            )
-            if row < rows.shape[0]:
-                record(units, axles, fleet.axle_unit, work, k == 0, parts, rows[row])
-                for j in range(col.SENSED + 1):
-                    rows[row, j] = work.windows[row, j]
+            _write_row(fleet, i, work, k == 0, parts, row, rows)
             row += 1
         is_last = t >= clock.longest * (1.0 - 1e-12)
         most = 0.0 if is_last and not clock.is_end_fixed else 1.0
-        outcome, unsettled = verdict(units, bodies, joints, edge, most, t, answer, rolls)
+        outcome, unsettled = verdict(units, bodies, joints, edge, most, t, answer)
         is_over = outcome != col.UPRIGHT or (t >= SOONEST and t - touched >= QUIET and not unsettled)
         if k % parts == 0 and ((is_over and not clock.is_end_fixed) or is_last):
             reached = t
@@ -134,9 +105,66 @@ def follow(fleet, clock, i, height, work, rows, answer, rolls):
         move(bodies, joints, h)
     if touching:
         leave(units[0], bodies[0], answer)
-    finish(answer, rolls, outcome, reached, touched, row)
+    finish(answer, rolls, bodies, outcome, reached, touched, row)
     means(work.windows[:row], sums, clock.window, clock.interval, answer)
     answer[col.INERTIAL] *= units[0, col.WHOLE]
+
+
+@compiled
+def _press(fleet, clock, i, k, h, facets, work, with_rows):
+    """Set the loads of step k, and add to the sums.
+
+    Returns as `press_strips`.
+    """
+    units, axles, ahead = fleet.units[i], fleet.axles[i], h if k > 0 else 0.5 * h
+    begin_step(work.bodies, work.joints, h if k > 0 else 0.0)
+    for j in range(10):
+        work.before[j] = work.sums[j]
+    for p in range(work.pushes.shape[0] if with_rows else 0):
+        work.pushes[p, col.BEFORE] = work.pushes[p, col.PUSH]
+    for j in range(work.pulls.shape[1] if with_rows else 0):
+        work.pulls[1, j] = work.pulls[0, j]
+    press_axles(axles, fleet.axle_unit, work.bodies, work.joints, work.sums, ahead)
+    touches = press_strips(fleet, i, units, axles, fleet.strips[i], facets, work, ahead, 0.5 * h)
+    if clock.push.shape[0] > 0:
+        _push_at(clock.push, k, clock.parts[i], units[0], work.bodies[0])
+    if units.shape[0] > 1:
+        twist_hinges(units, work.bodies)
+    return touches
+
+
+@compiled
+def _accelerate(fleet, i, k, h, work, stops):
+    """Advance the velocities of step k by the loads.
+
+    stops: True where a strip returns no energy.
+    """
+    units, strips, ahead = fleet.units[i], fleet.strips[i], h if k > 0 else 0.5 * h
+    assemble(units, fleet.axles[i], fleet.axle_unit, work.bodies, work.joints)
+    kick(fleet.axle_unit, work.bodies, work.joints, ahead)
+    if stops:
+        stop_strips(fleet, strips, work, ahead, False)
+    if units.shape[0] > 1:
+        close_hinges(units, fleet.axle_unit, work, ahead, h)
+        for _ in range(AGAIN if stops else 0):
+            stop_strips(fleet, strips, work, ahead, True)
+            close_hinges(units, fleet.axle_unit, work, ahead, h)
+    if stops:
+        add_stopped(strips, work)
+
+
+@compiled
+def _write_row(fleet, i, work, first, parts, row, rows):
+    """Write the means of a row, and the row where there is room."""
+    unit, means_of_row = fleet.units[i, 0], work.windows[row]
+    end_row(work.sums, work.before, first, parts, means_of_row[: col.SENSED])
+    _, means_of_row[col.SENSED], _ = point_velocity(
+        work.bodies[0], unit[col.SENSOR_X], 0.0, unit[col.SENSOR_Z], 0.0, 0.0
+    )
+    if row < rows.shape[0]:
+        record(fleet.units[i], fleet.axles[i], fleet.axle_unit, work, first, parts, rows[row])
+        for j in range(col.SENSED + 1):
+            rows[row, j] = means_of_row[j]
 
 
 @compiled
@@ -167,6 +195,7 @@ def _begin(fleet, i, units, axles, strips, facets, anywhere, work):
         b = bodies[u]
         b[col.AT], b[col.AT + 1], b[col.AT + 2] = behind * c, -behind * s, units[u, col.HEIGHT]
         b[col.SPEED], b[col.SPEED + 1] = fleet.speed[i] * c, -fleet.speed[i] * s
+        b[col.LARGEST + 1] = 1.0
         b[col.TURN], b[col.TURN + 3] = np.cos(0.5 * theta), -np.sin(0.5 * theta)
     gap, top = np.inf, work.wall[facets - 1, 3]
     for k in range(strips.shape[0]):

@@ -71,10 +71,10 @@ def _stop(push, u, a, axle_unit, work, h):
     if rate <= 0.0:
         return 0.0
     opening = push[col.GAP] + normal_power(push, b, q)
-    other = opening + push[col.CLOSING] - h * rate * (1.0 - push[col.STOPPED])
+    without_strip = opening + push[col.CLOSING] - h * rate * (1.0 - push[col.STOPPED])
     part = push[col.STOPPED] + opening / (h * rate)
-    if other > 0.0:
-        part = 1.0 - push[col.CLOSING] / (h * rate + other)
+    if without_strip > 0.0:
+        part = 1.0 - push[col.CLOSING] / (h * rate + without_strip)
     part = min(max(part, 0.0), 1.0)
     part = 1.0 if part > 1.0 - LEAST else part
     change = part - push[col.STOPPED]

@@ -20,7 +20,7 @@ LEVEL = 0.02
 
 
 @compiled
-def verdict(units, bodies, joints, edge, most, t, answer, rolls):
+def verdict(units, bodies, joints, edge, most, t, answer):
     """Update the largest angles.
 
     Returns the outcome so far, and True while the motion goes on: a unit rolls outwards, has a wheel off the ground,
@@ -29,13 +29,10 @@ def verdict(units, bodies, joints, edge, most, t, answer, rolls):
     outcome, unsettled = col.UPRIGHT, False
     for u in range(units.shape[0]):
         b = bodies[u]
-        sine, roll = abs(b[7]), rolls[u]
-        if sine > abs(roll) * b[8]:  # the tangent is larger than the angle: few angles are computed in vain
-            roll = np.arctan2(b[7], b[8])
-            if abs(roll) > abs(rolls[u]):
-                rolls[u] = roll
-            if abs(roll) > abs(answer[col.ROLL]):
-                answer[col.ROLL], answer[col.ROLL_TIME] = roll, t
+        sine = abs(b[7])
+        past, ahead = abs(b[col.LARGEST]) * b[8], sine * b[col.LARGEST + 1]
+        if ahead > past:  # their difference is the sine of that of both angles
+            b[col.LARGEST], b[col.LARGEST + 1], b[col.LARGEST + 2] = b[7], b[8], t
         if abs(b[6]) > abs(answer[col.PITCH]):
             answer[col.PITCH], answer[col.PITCH_TIME] = -b[6], t
         unsettled = unsettled or (sine > LEVEL and b[7] * b[col.NOW + 3] > 0.0)
@@ -66,11 +63,15 @@ def leave(unit, b, answer):
 
 
 @compiled
-def finish(answer, rolls, outcome, reached, touched, row):
+def finish(answer, rolls, bodies, outcome, reached, touched, row):
     """Store outcome, end and last contact, and complete the angles."""
     answer[col.OUTCOME], answer[col.REACHED] = outcome, reached
     answer[col.TOUCHED], answer[col.ROWS_WRITTEN] = touched, row
     answer[col.PITCH] = np.arcsin(min(max(answer[col.PITCH], -1.0), 1.0))  # the sine up to here
+    for u in range(rolls.size):
+        rolls[u] = np.arctan2(bodies[u, col.LARGEST], bodies[u, col.LARGEST + 1])
+        if abs(rolls[u]) > abs(answer[col.ROLL]):
+            answer[col.ROLL], answer[col.ROLL_TIME] = rolls[u], bodies[u, col.LARGEST + 2]
     if outcome in (col.ON_ITS_SIDE, col.OVER):  # the end is on a row, a moment later than the roll of 90 deg
         answer[col.ROLL] = min(max(answer[col.ROLL], -0.5 * np.pi), 0.5 * np.pi)
         for u in range(rolls.size):
