@@ -1,22 +1,25 @@
 """Measure bounds of the strength of parapets.
 
-Exact answers, three walls, random walls, certificates and time.
+Exact answers, three walls, random walls, certificates, and the processor time of a page.
 
-python benchmarks/parapet.py [--random N]
+python benchmarks/parapet.py [--random N] [--tolerance DIFFERENCE] [--page RUNS]
 """
 
-import argparse
 import math
+import resource
+import subprocess
+import tempfile
 import time
 from collections.abc import Iterator
 
+import command_line
 import numpy as np
 from skfem import MeshTri
 
 from fem.limit.bounds import Bounds, collapse_load
 from fem.limit.plate import PlasticPlate
 from meshes.bands import banded_rectangle
-from solver.parapet import Strengths, yield_line_resistance
+from solver.parapet import Strengths
 from tailslap.wall_strength.strength import Load, bounds_of
 
 WALLS = {"A": (0.813, 0.0, 40.0, 58.0), "B": (0.914, 0.0, 50.0, 70.0), "C": (1.067, 20.0, 65.0, 80.0)}
@@ -39,7 +42,7 @@ EXACT = {
 }
 """Exact collapse loads of plates with m = 1, of textbooks."""
 
-LOAD_LENGTH, SEED = 1.067, 20_261_128
+LOAD_LENGTH, SEED, SCENE = 1.067, 20_261_128, "impact-parapet-tl4-sut"
 SIDES = ("left", "right", "bottom", "top")
 UNIT = np.array([0.0, 1.0])
 
@@ -112,60 +115,84 @@ def random_walls(count: int, seed: int = SEED) -> Iterator[tuple[Strengths, Load
         yield strengths, load, float(random.choice([math.inf, random.uniform(6.0, 20.0)]))
 
 
-def main() -> None:
-    """Print every row."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--random", type=int, default=500, help="number of random walls")
-    parser.add_argument(
-        "--tolerance", type=float, default=0.006, help="difference of the bounds of the three walls"
-    )
-    options = parser.parse_args()
-    printed: list[Bounds] = []
-    for name, exact in EXACT.items():
-        bounds = exact_case(name, 0.01)
+def print_exact() -> list[Bounds]:
+    """Print and return the bounds of plates with exact answers."""
+    cases = [exact_case(name, 0.01) for name in EXACT]
+    for (name, exact), bounds in zip(EXACT.items(), cases, strict=True):
         lower, upper = bounds.lower.value, bounds.upper.value
         contained = lower <= exact * (1 + 1e-9) and upper >= exact * (1 - 1e-9)
         print(
             f"{name:36s} {lower:9.3f} to {upper:9.3f}, exact {exact:.3f}: {100 * (lower / exact - 1):+.2f} % and "
             f"{100 * (upper / exact - 1):+.2f} %{'' if contained else ', NOT CONTAINED'}"
         )
-        printed.append(bounds)
-    for name, numbers in WALLS.items():
-        for place, distance, trial in zip(("interior", "end"), (None, 0.0), TRIAL[name], strict=True):
-            height, beam, wall, base = numbers
-            formula = yield_line_resistance(height, beam, wall, base, LOAD_LENGTH, place).force
-            for tolerance in (0.01, min(options.tolerance, trial[1] / trial[0] - 1.0)):
-                began = time.process_time()
-                bounds = bounds_of(
-                    uniform_wall(*numbers), Load(LOAD_LENGTH, height, distance), tolerance=tolerance
-                )[1]
-                seconds, ends = (
-                    time.process_time() - began,
-                    (bounds.lower.value / 1e3, bounds.upper.value / 1e3),
-                )
-                overlap = ends[0] <= trial[1] and trial[0] <= ends[1]
-                print(
-                    f"wall {name}, {place:8s} {ends[0]:6.1f} to {ends[1]:6.1f} kN ({100 * bounds.width:.2f} %; trial "
-                    f"{trial[0]} to {trial[1]}{'' if overlap else ', NO OVERLAP'}; A13.3.1 {formula:.0f}), "
-                    f"{bounds.upper_mesh.t.shape[1]} triangles, {seconds:.1f} s of one core"
-                )
-                printed.append(bounds)
-    widths, crossed = [], 0
-    for strengths, load, length in random_walls(options.random):
-        bounds = bounds_of(strengths, load, length, 0.1, 300)[1]
-        crossed += bounds.lower.value > bounds.upper.value or not bounds.lower.value > 0.0
-        widths.append(bounds.width)
-        printed.append(bounds)
-    if widths:
-        print(
-            f"{len(widths)} random walls: {crossed} with crossed or missing bounds; widths at most "
-            f"{100 * max(widths):.1f} %"
-        )
+    return cases
+
+
+def print_wall(name: str, place: str, trial: tuple[float, float], tolerance: float) -> Bounds:
+    """Print the bounds of a wall beside those of another program."""
+    height, *_ = WALLS[name]
+    load = Load(LOAD_LENGTH, height, 0.0 if place == "end" else None)
+    strengths, began = uniform_wall(*WALLS[name]), time.process_time()
+    bounds = bounds_of(strengths, load, tolerance=tolerance)
+    seconds = time.process_time() - began
+    lower, upper = bounds.lower.value / 1e3, bounds.upper.value / 1e3
+    overlap = lower <= trial[1] and trial[0] <= upper
+    print(
+        f"wall {name}, {place:8s} {lower:6.1f} to {upper:6.1f} kN ({100 * bounds.width:.2f} %; trial "
+        f"{trial[0]} to {trial[1]}{'' if overlap else ', NO OVERLAP'}; "
+        f"A13.3.1 {strengths.resistance(LOAD_LENGTH, place).force / 1e3:.0f}), "
+        f"{bounds.upper_mesh.t.shape[1]} triangles, {seconds:.1f} s of one core"
+    )
+    return bounds
+
+
+def print_random(count: int) -> list[Bounds]:
+    """Print and return the bounds of random walls."""
+    began = time.process_time()
+    cases = [bounds_of(*wall, tolerance=0.1, most=300) for wall in random_walls(count)]
+    crossed = sum(not 0.0 < bounds.lower.value <= bounds.upper.value for bounds in cases)
+    widths = np.array([bounds.width for bounds in cases])
+    print(
+        f"{count} random walls: {crossed} with crossed or missing bounds; widths {100 * np.median(widths):.1f} % in "
+        f"the median, at most {100 * widths.max():.1f} %; {time.process_time() - began:.0f} s of one core"
+    )
+    return cases
+
+
+def print_page(repeats: int) -> None:
+    """Print the processor time of `tailslap parapet` with its page and pictures."""
+    command, times = [*command_line.TAILSLAP, "parapet", SCENE, "--quiet", "--force", "--out"], []
+    with tempfile.TemporaryDirectory() as folder:
+        for _ in range(1 + repeats):  # the first one compiles
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            subprocess.run(
+                [*command, f"{folder}/wall"], cwd=command_line.ROOT, check=True, stdout=subprocess.DEVNULL
+            )
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+            times.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    print(
+        f"tailslap parapet {SCENE}, page and pictures: {min(times[1:]):.1f} to {max(times[1:]):.1f} s of "
+        f"processor time (user and system, {repeats} runs)"
+    )
+
+
+def main() -> None:
+    """Print every row."""
+    arguments = command_line.options(__doc__, random=500, tolerance=0.006, page=3)
+    printed = print_exact()
+    for name in WALLS:
+        for place, trial in zip(("interior", "end"), TRIAL[name], strict=True):
+            for tolerance in (0.01, min(arguments.tolerance, trial[1] / trial[0] - 1.0)):
+                printed.append(print_wall(name, place, trial, tolerance))
+    if arguments.random:
+        printed += print_random(arguments.random)
     residual, excess = max(b.lower.residual for b in printed), max(b.lower.excess for b in printed)
     print(
         f"{len(printed)} lower bounds: residual of equilibrium at most {residual:.1e}, "
         f"excess over the criterion {max(excess, 0.0):g}"
     )
+    if arguments.page:
+        print_page(arguments.page)
 
 
 if __name__ == "__main__":

@@ -262,7 +262,7 @@ def parapet(case: Case, out: Path | None, no_band: bool, force: bool, units: str
     """Compare the strength of the parapet with the force of the impact.
 
     The flexural strength of [parapet] by AASHTO LRFD A13.3.1 and between proven bounds of limit analysis. Exit status
-    1 if there is no proof, or the bounds differ by more than 1 %.
+    1 if there is no proof, or the bounds differ by more than 1 %, 2 % under the load of this impact.
     """
     compute = functools.partial(tailslap.parapet, case, band=not no_band)
     return delivery.deliver_case("parapet", case, compute, out, as_json, units, force)

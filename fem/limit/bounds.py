@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Bounds", "collapse_load"]
 
-LEAST, MOST, REACH = 0.3, 0.85, 3.0
+LEAST, MOST, REACH = 0.3, 0.85, 2.4
 """Part of the sum of the gaps whose triangles are refined, and that of the excess over the tolerance [-]."""
 
 
@@ -37,6 +37,7 @@ class Bounds(NamedTuple):
     lower_mesh: MeshTri
     upper: UpperBound
     upper_mesh: MeshTri
+    plate: PlasticPlate
 
     @property
     def width(self) -> float:
@@ -80,7 +81,7 @@ def collapse_load(
 
     mesh = MeshTri(nodes, triangles)
     lower, upper = lower_bound(plate, mesh), upper_bound(plate, mesh)
-    bounds = Bounds(lower, mesh, upper, mesh)
+    bounds = Bounds(lower, mesh, upper, mesh, plate)
     if bounds.width >= widest:
         return bounds
     while bounds.width > tolerance and mesh.t.shape[1] < most:

@@ -39,7 +39,6 @@ CONTROL_POINTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 TRIPLE = sparse.csc_matrix([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.0, 2.0]])
 """Cone of the positive semidefinite matrices xx, yy, xy as a triple (s, u, v) with s >= sqrt(u^2 + v^2)."""
 
-
 HALVED = np.array([[1.0], [1.0], [0.5]])
 """Factors of the weights xx, yy, xy of a product of two places."""
 
@@ -168,7 +167,8 @@ def _of_triangles(mesh: MeshTri) -> tuple[Indices, Floats, Floats]:
     of, count, edges = geometry(mesh), mesh.t.shape[1], mesh.facets.shape[1]
     rows, values, pressure = [], [], []
     for k, (a, b) in enumerate(LOCAL_EDGES):
-        edge, normal, tangent, length = mesh.t2f[k], of.normals[k], of.tangents[k], of.lengths[k]
+        edge, normal, tangent = mesh.t2f[k], of.normals[k], of.tangents[k]
+        length = lengths(mesh)[edge]
         sign = np.where(mesh.f2t[0, edge] == np.arange(count), 1.0, -1.0)
         shear = length * np.concatenate([voigt(normal, gradient) for gradient in of.gradients])
         twist, bend = np.zeros((3, 9, count)), np.zeros((3, 9, count))
@@ -176,8 +176,8 @@ def _of_triangles(mesh: MeshTri) -> tuple[Indices, Floats, Floats]:
             twist[node, 3 * node : 3 * node + 3] = voigt(normal, tangent)
             bend[node, 3 * node : 3 * node + 3] = sign * voigt(normal, normal)
         values += [twist[a] - twist[b] - shear, -twist[a], twist[b], bend[a], bend[b]]
-        jump, flipped = edges + mesh.p.shape[1] + 2 * edge, of.flipped[k]
-        rows += [edge, edges + mesh.t[a], edges + mesh.t[b], jump + flipped, jump + 1 - flipped]
+        jump = edges + mesh.p.shape[1] + 2 * edge
+        rows += [edge, edges + mesh.t[a], edges + mesh.t[b], jump, jump + 1]
         across, start, end = (
             (direction * mesh.p[:, mesh.t[node]]).sum(axis=0) / 6.0
             for direction, node in ((normal, a), (6.0 * tangent, a), (6.0 * tangent, b))

@@ -25,7 +25,7 @@ HELD = ("clamped", "supported")
 """Kinds of sides without deflection."""
 
 LOCAL_EDGES = ((0, 1), (1, 2), (0, 2))
-"""Ends of the edges of a triangle, in the order of `MeshTri.t2f`."""
+"""Ends of the edges of a triangle, in the order of `MeshTri.t2f`; nodes ascend in both, so that directions agree."""
 
 
 @dataclass(frozen=True)
@@ -107,16 +107,13 @@ class Geometry(NamedTuple):
     """Geometry of the triangles and of their three edges.
 
     areas (t,) [m^2]; gradients of the barycentric coordinates (3, 2, t) [1/m]; of each edge of a triangle, from its
-    first to its second node in LOCAL_EDGES: lengths (3, t) [m], tangents and outward normals (3, 2, t), flipped (3, t)
-    where the edge of the mesh has the opposite direction.
+    first to its second node in LOCAL_EDGES: tangents and outward normals (3, 2, t).
     """
 
     areas: Floats
     gradients: Floats
-    lengths: Floats
     tangents: Floats
     normals: Floats
-    flipped: NDArray[np.bool_]
 
 
 def middles(mesh: MeshTri) -> Floats:
@@ -138,12 +135,10 @@ def geometry(mesh: MeshTri) -> Geometry:
     of_1, of_2 = np.stack([y2, -x2]) / doubled, np.stack([-y1, x1]) / doubled
     gradients = np.stack([-of_1 - of_2, of_1, of_2])
     sides = np.stack([corners[b] - corners[a] for a, b in LOCAL_EDGES])
-    sizes = np.hypot(sides[:, 0], sides[:, 1])
-    tangents = sides / sizes[:, None]
+    tangents = sides / np.hypot(sides[:, 0], sides[:, 1])[:, None]
     outward = -np.stack([gradients[3 - a - b] for a, b in LOCAL_EDGES])
     normals = outward / np.hypot(outward[:, 0], outward[:, 1])[:, None]
-    flipped = np.stack([mesh.facets[0, mesh.t2f[k]] != mesh.t[a] for k, (a, _) in enumerate(LOCAL_EDGES)])
-    return Geometry(0.5 * np.abs(doubled), gradients, sizes, tangents, normals, flipped)
+    return Geometry(0.5 * np.abs(doubled), gradients, tangents, normals)
 
 
 def voigt(a: Floats, b: Floats) -> Floats:

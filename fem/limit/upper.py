@@ -15,7 +15,7 @@ import numpy as np
 from scipy import sparse
 
 from fem.limit import conic
-from fem.limit.plate import HELD, LOCAL_EDGES, Floats, Indices, PlasticPlate, geometry
+from fem.limit.plate import HELD, LOCAL_EDGES, Floats, Indices, PlasticPlate, geometry, lengths, voigt
 
 if TYPE_CHECKING:
     from skfem import Basis, MeshTri
@@ -33,6 +33,9 @@ QUADRATIC = np.array([[3.0, 1.0], [2.0, 2.0], [1.0, 3.0]]) / 12.0
 
 TO_CONTROL = np.array([[1.0, 0.0, 0.0], [-0.5, 2.0, -0.5], [0.0, 0.0, 1.0]])
 """From values at both ends and the middle of an edge to Bernstein coefficients."""
+
+TO_SLOPE = np.array([[-5.5, 9.0, -4.5, 1.0], [3.5, -13.5, 13.5, -3.5], [-1.0, 4.5, -9.0, 5.5]])
+"""From cubic values at ends and thirds of an edge of unit length to Bernstein coefficients of the slope."""
 
 TRIPLE = sparse.csc_matrix([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.0, 1.0]])
 """Cone of positive semidefinite curvatures xx, yy, 2 xy, see `fem.limit.lower`."""
@@ -199,7 +202,7 @@ def _curvatures(mesh: MeshTri, basis: Basis) -> sparse.csr_matrix:
     from skfem import ElementTriP2
 
     points = np.array([[0.0, 1.0, 0.0, 0.5, 0.5, 0.0], [0.0, 0.0, 1.0, 0.0, 0.5, 0.5]])
-    gradients = np.stack([basis.elem.lbasis(points, k)[1] for k in range(10)])
+    gradients = _gradients(basis, points)
     again = np.stack([ElementTriP2().lbasis(points[:, :3], k)[1] for k in range(6)])
     second = np.einsum("dap,pbn->dnab", gradients, again)
     inverse = geometry(mesh).gradients[1:]
@@ -207,6 +210,11 @@ def _curvatures(mesh: MeshTri, basis: Basis) -> sparse.csr_matrix:
     values = np.stack([bent[:, :, 0, 0], bent[:, :, 1, 1], 2.0 * bent[:, :, 0, 1]], axis=2)
     rows = np.arange(values[..., 0].size).reshape(*values.shape[:3], 1)
     return _matrix(values, rows, basis.element_dofs.T[:, None, None], (rows.size, basis.N))
+
+
+def _gradients(basis: Basis, points: Floats) -> Floats:
+    """Return the gradients of the cubic functions, shape (10, 2, points)."""
+    return np.stack([basis.elem.lbasis(points, k)[1] for k in range(10)])
 
 
 def _rotations(plate: PlasticPlate, mesh: MeshTri, basis: Basis) -> sparse.csr_matrix:
@@ -218,12 +226,11 @@ def _rotations(plate: PlasticPlate, mesh: MeshTri, basis: Basis) -> sparse.csr_m
     corners = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     for k, (a, b) in enumerate(LOCAL_EDGES):
         points = np.stack([corners[:, a], 0.5 * (corners[:, a] + corners[:, b]), corners[:, b]], axis=1)
-        gradients = np.stack([basis.elem.lbasis(points, d)[1] for d in range(10)]) @ TO_CONTROL.T
+        gradients = _gradients(basis, points) @ TO_CONTROL.T
         slopes = np.einsum("dac,axt,xt->tcd", gradients, of.gradients[1:], -of.normals[k])
         hinged = np.isin(plate.kinds(mesh), HINGED)[mesh.t2f[k]]
         values.append(slopes * hinged[:, None, None])
-        order = np.where(of.flipped[k][:, None], [2, 1, 0], [0, 1, 2])
-        rows.append((3 * mesh.t2f[k][:, None] + order)[..., None])
+        rows.append((3 * mesh.t2f[k][:, None] + np.arange(3))[..., None])
     shape = (3 * mesh.facets.shape[1], basis.N)
     return _matrix(np.stack(values), np.stack(rows), basis.element_dofs.T[:, None], shape)
 
@@ -237,17 +244,12 @@ def _beam(plate: PlasticPlate, mesh: MeshTri, basis: Basis) -> tuple[sparse.csr_
     edges = plate.top_edges(mesh) if plate.beam else np.empty(0, dtype=int)
     if not edges.size:
         return sparse.csr_matrix((0, basis.N)), np.zeros((2, 0))
-    gradients = geometry(mesh).gradients[1:]
-    triangles, left_to_right = mesh.f2t[0, edges], mesh.p[:, mesh.facets[:, edges]]
-    turned = left_to_right[0, 0] > left_to_right[0, 1]
-    ends = np.where(turned, left_to_right[:, ::-1], left_to_right)
-    x = np.stack([ends[:, 0], 0.5 * (ends[:, 0] + ends[:, 1]), ends[:, 1]], axis=-1)
-    local = np.stack(basis.mapping.invF(x, tind=triangles))
-    slopes = np.stack([basis.elem.lbasis(local, d)[1] for d in range(10)])
-    slopes = np.einsum("daec,ae->ecd", slopes, gradients[:, 0, triangles])
-    slopes = np.einsum("cq,eqd->ecd", TO_CONTROL, slopes)
+    at_left = (mesh.p[0, mesh.facets[0, edges]] > mesh.p[0, mesh.facets[1, edges]]).astype(int)
+    dofs = np.concatenate([basis.nodal_dofs[0, mesh.facets[:, edges]], basis.facet_dofs[:, edges]])
+    dofs = np.take_along_axis(dofs, np.stack([at_left, 2 + at_left, 3 - at_left, 1 - at_left]), axis=0)
+    slopes = TO_SLOPE / lengths(mesh)[edges][:, None, None]
     rows = np.arange(3 * edges.size).reshape(-1, 3, 1)
-    at = _matrix(slopes, rows, basis.element_dofs.T[triangles][:, None], (3 * edges.size, basis.N))
+    at = _matrix(slopes, rows, dofs.T[:, None], (3 * edges.size, basis.N))
     start, middle, end = at[0::3], at[1::3], at[2::3]
     kinks = [start[1:] - end[:-1]]
     kinks += [start[:1]] if plate.sides["left"] in HINGED else []
@@ -258,23 +260,26 @@ def _beam(plate: PlasticPlate, mesh: MeshTri, basis: Basis) -> tuple[sparse.csr_
 
 def _edge_weights(plate: PlasticPlate, mesh: MeshTri) -> Floats:
     """Return the positive and negative strengths of rotations, shape (2, e, 3)."""
-    ends = mesh.p[:, mesh.facets]
-    sides = ends[:, 1] - ends[:, 0]
-    normal = np.stack([sides[1], -sides[0]]) ** 2 / np.hypot(*sides)
-    strengths = plate.strengths_at(ends[1])
-    across = strengths[:2] * normal[0] + strengths[2:] * normal[1]
+    x, y = _normals(mesh)
+    strengths = plate.strengths_at(mesh.p[1, mesh.facets])
+    across = (strengths[:2] * x**2 + strengths[2:] * y**2) * lengths(mesh)
     return np.einsum("cn,sne->sec", QUADRATIC, across)
 
 
 def _normal_moments(mesh: MeshTri, moments: Floats) -> Floats:
     """Return the integrals of normal moments, shape (e, 3)."""
-    triangles, ends = mesh.f2t[0], mesh.p[:, mesh.facets]
-    sides = ends[:, 1] - ends[:, 0]
-    x, y = sides[1], -sides[0]
-    weights = np.stack([x * x, y * y, 2.0 * x * y]) / np.hypot(x, y)
+    triangles, normals = mesh.f2t[0], _normals(mesh)
+    weights = lengths(mesh) * voigt(normals, normals)
     place = (mesh.t[:, triangles][:, None] == mesh.facets).argmax(axis=0)
     across = np.stack([(moments[triangles, node] * weights.T).sum(axis=1) for node in place])
     return (QUADRATIC @ across).T
+
+
+def _normals(mesh: MeshTri) -> Floats:
+    """Return a unit normal of each edge, shape (2, e)."""
+    ends = mesh.p[:, mesh.facets]
+    x, y = ends[:, 1] - ends[:, 0]
+    return np.stack([y, -x]) / lengths(mesh)
 
 
 def _load(plate: PlasticPlate, mesh: MeshTri, basis: Basis) -> Floats:

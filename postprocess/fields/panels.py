@@ -42,8 +42,8 @@ class FieldPanel(NamedTuple):
     values: Floats
     limits: tuple[float, float]
     colours: str
-    lines: Floats
-    widths: Floats
+    lines: Floats = np.empty((0, 2, 2))
+    widths: Floats = np.empty(0)
     load: Floats | None = None
 
 

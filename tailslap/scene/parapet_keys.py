@@ -17,37 +17,46 @@ STRENGTHS = ("wall_strength", "base_strength")
 """Keys that [parapet.section] replaces."""
 
 
+def parapet_of(scene: schema.Scene) -> Parapet:
+    """Return the table of the parapet.
+
+    Raises InputError without it."""
+    if scene.parapet is None:
+        raise InputError("parapet", Missing, "this table is required")
+    return scene.parapet
+
+
 def check_parapet(scene: schema.Scene, parapet: Parapet) -> None:
     """Raise InputError for combinations of keys without a meaning."""
-    if parapet.section is None:
-        for name in STRENGTHS:
-            if getattr(parapet, name) is None:
-                why = "this key is required; [parapet.section] may replace the strengths"
-                raise InputError(f"parapet.{name}", Missing, why)
-    else:
-        for name in STRENGTHS:
-            if getattr(parapet, name) is not None:
-                why = "[parapet.section] defines the strengths; remove one of the two"
-                raise InputError(f"parapet.{name}", getattr(parapet, name), why)
-    height, load_length = parapet.height, load_length_of(scene, parapet)
-    for name in ("base_strength", "section.thickness"):
-        levels = schema.value_at(parapet, name)
-        if levels is not None and levels[-1][0] > height:
-            allowed = f"allowed are heights up to that of the parapet, {height:g} m"
-            raise InputError(f"parapet.{name}", f"{levels[-1][0]:g} m", allowed)
-    if parapet.load_height is not None and parapet.load_height > height:
-        raise InputError(
-            "parapet.load_height",
-            f"{parapet.load_height:g} m",
-            f"allowed is up to the height, {height:g} m",
-        )
+    for name in STRENGTHS:
+        value = getattr(parapet, name)
+        if value is None and parapet.section is None:
+            why = "this key is required; [parapet.section] may replace the strengths"
+            raise InputError(f"parapet.{name}", Missing, why)
+        if value is not None and parapet.section is not None:
+            raise InputError(
+                f"parapet.{name}", value, "[parapet.section] defines the strengths; remove one of the two"
+            )
+    load_length = load_length_of(scene, parapet)
     longest = math.inf if parapet.length is None else parapet.length
-    if load_length > longest:
-        allowed = f"allowed is up to the length of the wall, {longest:g} m"
-        raise InputError("parapet.load_length", f"{load_length:g} m", allowed)
-    if parapet.end_distance is not None and parapet.end_distance > 0.5 * (longest - load_length):
-        allowed = f"allowed is up to half of the wall without the load, {0.5 * (longest - load_length):g} m"
-        raise InputError("parapet.end_distance", f"{parapet.end_distance:g} m", allowed)
+    limits = [
+        (name, levels[-1][0], parapet.height, "the height of the parapet")
+        for name in ("base_strength", "section.thickness")
+        if (levels := schema.value_at(parapet, name))
+    ]
+    limits += [
+        ("load_height", parapet.load_height or 0.0, parapet.height, "the height of the parapet"),
+        ("load_length", load_length, longest, "the length of the wall"),
+        (
+            "end_distance",
+            parapet.end_distance or 0.0,
+            0.5 * (longest - load_length),
+            "half of the wall without the load",
+        ),
+    ]
+    for name, value, most, meaning in limits:
+        if value > most:
+            raise InputError(f"parapet.{name}", f"{value:g} m", f"allowed is up to {meaning}, {most:g} m")
     strengths_of(parapet)
 
 

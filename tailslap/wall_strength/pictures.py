@@ -8,19 +8,21 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.limit.plate import Floats
 from postprocess.fields.contours import dark_form
 from postprocess.fields.panels import FieldPanel, draw_panels
 from postprocess.report.command_report import Report
 from postprocess.report.page import Picture, Section
 from tailslap.wall_strength.strength import Computed
 
+ROTATION = 98.0
+"""Percentile of the rotations that is drawn as the largest: a short edge may turn far [%]."""
+
 
 def with_pictures(report: Report, rows: list[Computed], folder: Path) -> Report:
     """Return the report with mechanisms and moments of the code's load."""
     pictures = []
-    for row in (row for row in rows if row.load_name == "code"):
-        if row.lower is None or row.upper is None:
+    for row in rows:
+        if row.load_name != "code" or row.lower is None or row.upper is None:
             continue
         try:
             path = draw_panels(folder / f"parapet-{row.place}.png", _panels(row))
@@ -40,51 +42,39 @@ def with_pictures(report: Report, rows: list[Computed], folder: Path) -> Report:
 
 def _panels(row: Computed) -> list[FieldPanel]:
     """Return the panels of a strength, mirrored at an axis of symmetry."""
-    upper, lower, mesh, below = (
-        row.bounds.upper,
-        row.bounds.lower,
-        row.bounds.upper_mesh,
-        row.bounds.lower_mesh,
+    lower, mesh, upper, upper_mesh, plate = row.bounds
+    assert plate.line
+    height, start, end = plate.line
+    rotations = upper.rotations.mean(axis=1)
+    mechanism = FieldPanel(
+        "Mechanism: deflection over the largest",
+        upper_mesh.p[:, upper_mesh.t].transpose(2, 1, 0),
+        upper.deflections[:3].T / np.abs(upper.deflections).max(),
+        (0.0, 1.0),
+        "Greys",
+        upper_mesh.p[:, upper_mesh.facets].transpose(2, 1, 0),
+        np.clip(rotations / (np.percentile(np.abs(rotations), ROTATION) or 1.0), -1.0, 1.0),
+        np.array([[start, height], [end, height]]),
     )
-    deflection = upper.deflections[:3].T / np.abs(upper.deflections).max()
-    turned = upper.rotations.mean(axis=1)
-    largest = np.percentile(np.abs(turned), 98.0) or 1.0  # a short edge may turn far
-    turned = np.clip(turned / largest, -1.0, 1.0)
-    lines = mesh.p[:, mesh.facets].transpose(2, 1, 0)
-    corners, fields = mesh.p[:, mesh.t].transpose(2, 1, 0), below.p[:, below.t].transpose(2, 1, 0)
-    none = np.empty((0, 2, 2)), np.empty(0)
-    strongest = [float(row.plate.strengths[k : k + 2].max()) for k in (2, 0)]
-    assert row.plate.line
-    height, start, end = row.plate.line
-    panels = [
-        FieldPanel(
-            "Mechanism: deflection over the largest",
-            corners,
-            deflection,
-            (0.0, 1.0),
-            "Greys",
-            lines,
-            turned,
-            np.array([[start, height], [end, height]]),
-        )
-    ]
-    for title, number, strong in (
-        ("Upright moment", 1, strongest[0]),
-        ("Moment along the wall", 0, strongest[1]),
+    panels, corners = [mechanism], mesh.p[:, mesh.t].transpose(2, 1, 0)
+    for title, number, strengths in (
+        ("Upright moment", 1, plate.strengths[2:]),
+        ("Moment along the wall", 0, plate.strengths[:2]),
     ):
-        values = lower.moments[..., number] / strong
-        title = f"{title} over {strong / 1e3:.3g} kN m/m"
-        panels.append(FieldPanel(title, fields, values, (-1.0, 1.0), "RdBu_r", *none))
-    panels.append(FieldPanel("Largest moment over strength", fields, lower.use, (0.0, 1.0), "viridis", *none))
-    return [_mirrored(panel) for panel in panels] if row.plate.sides["left"] == "symmetric" else panels
+        largest = float(strengths.max())
+        title = f"{title} over {largest / 1e3:.3g} kN m/m"
+        values = lower.moments[..., number] / largest
+        panels.append(FieldPanel(title, corners, values, (-1.0, 1.0), "RdBu_r"))
+    panels.append(FieldPanel("Largest moment over strength", corners, lower.use, (0.0, 1.0), "viridis"))
+    return [_mirrored(panel) for panel in panels] if plate.sides["left"] == "symmetric" else panels
 
 
 def _mirrored(panel: FieldPanel) -> FieldPanel:
     """Return a panel with its mirror image."""
-    turn: Floats = np.array([-1.0, 1.0])
+    turn = np.array([-1.0, 1.0])
     return panel._replace(
         corners=np.concatenate([panel.corners, panel.corners * turn]),
-        values=np.concatenate([panel.values, panel.values]),
+        values=np.tile(panel.values, (2, 1)),
         lines=np.concatenate([panel.lines, panel.lines * turn]),
-        widths=np.concatenate([panel.widths, panel.widths]),
+        widths=np.tile(panel.widths, 2),
     )

@@ -23,9 +23,8 @@ from tailslap.case.case import Case
 from tailslap.case.force_band import ForceBand, fraction_in_words
 from tailslap.case.of_arguments import Changes, Scene, case_of_scene
 from tailslap.case.report_parts import design_forces_of, footer, published_section
-from tailslap.errors import InputError, Missing
 from tailslap.result.result import Result, filled_by, of_report
-from tailslap.scene.parapet_keys import load_length_of, strengths_of
+from tailslap.scene.parapet_keys import load_length_of, parapet_of, strengths_of
 from tailslap.scene.write import scene_text
 from tailslap.validation.calibration import calibrated_band
 from tailslap.wall_strength.pictures import with_pictures
@@ -103,11 +102,8 @@ def parapet(scene: Scene, changes: Changes | None = None, *, band: bool = True) 
     (True, True)
     """
     case, began = case_of_scene(scene, changes), time.perf_counter()
-    if case.scene.parapet is None:
-        raise InputError("parapet", Missing, "this table is required for `tailslap parapet`")
     rows = strengths_of_loads(case)
-    refusal = ForceBand(refusal="not requested")
-    distribution = calibrated_band(case) if band else refusal
+    distribution = calibrated_band(case) if band else ForceBand(refusal="not requested")
     report = _report(case, rows, distribution, began)
 
     def drawn(folder: Path, pictures: bool, units: str) -> Report:
@@ -119,8 +115,7 @@ def parapet(scene: Scene, changes: Changes | None = None, *, band: bool = True) 
 
 def strengths_of_loads(case: Case) -> list[Computed]:
     """Return strengths under the code's load and that of this impact."""
-    table = case.scene.parapet
-    assert table
+    table = parapet_of(case.scene)
     strengths, length = strengths_of(table), table.length or math.inf
     loads = {"code": (load_length_of(case.scene, table), table.load_height or table.height)}
     if impact := _impact(case)[1:]:
@@ -131,9 +126,9 @@ def strengths_of_loads(case: Case) -> list[Computed]:
         for place, distance in places.items():
             room = length - 2.0 * (distance or 0.0)
             load = Load(min(load_length, room), min(height, table.height), distance)
-            plate, bounds = bounds_of(strengths, load, length, ALLOWED[name])
+            bounds = bounds_of(strengths, load, length, ALLOWED[name])
             formula = strengths.resistance(load.length, "end" if distance == 0.0 else "interior")
-            rows.append(Computed(name, place, load, plate, bounds, formula))
+            rows.append(Computed(name, place, load, bounds, formula))
     return rows
 
 
@@ -158,16 +153,13 @@ def nominal_force(case: Case) -> float:
 
 def _report(case: Case, rows: list[Computed], band: ForceBand, began: float) -> Report:
     """Return the report without pictures."""
-    table = case.scene.parapet
-    assert table
+    table = parapet_of(case.scene)
     strengths, demand = strengths_of(table), nominal_force(case)
     of_impact = [row for row in rows if row.load_name != "code"] or rows
     ratio = _ratio(of_impact[0].lower, demand, band)
     passed = all(row.bounds.width <= ALLOWED[row.load_name] for row in rows)
     shortest = _turning_length(strengths, rows[0], table.length or math.inf)
-    numbers = {"turning_length": shortest or None} | _numbers(
-        rows, strengths, demand, ratio, table.section is not None
-    )
+    numbers = {"turning_length": shortest or None} | _numbers(rows, strengths, demand, ratio)
     bands = tuple(
         f"This impact, {row.where}, over the lower bound: {_band_words(_ratio(row.lower, demand, band), band)}."
         for row in of_impact
@@ -196,9 +188,8 @@ def _report(case: Case, rows: list[Computed], band: ForceBand, began: float) -> 
         published_section(band),
         Section("Method and omitted effects", sentences=method),
     )
-    files = "summary.json (SI)"
     kicker = "Flexural strength of the plate between proven bounds"
-    page = Page(kicker, headline, sections, footer(files), scene_text(case.source), passed)
+    page = Page(kicker, headline, sections, footer("summary.json (SI)"), scene_text(case.source), passed)
     summary = {
         "scene": case.scene.name,
         "version": tailslap.__version__,
@@ -247,8 +238,6 @@ def _ratio(capacity: float | None, demand: float, band: ForceBand) -> dict[str, 
 
 def _band_words(ratio: dict[str, float | None], band: ForceBand) -> str:
     """Return a band and the fraction above capacity in words."""
-    if ratio["median"] is None:
-        return "–"
     exceeded = fraction_in_words(ratio["exceeded"] or 0.0, band.samples)
     return (
         f"{ratio['lower']:.2f} to {ratio['upper']:.2f}, median {ratio['median']:.2f}: exceeded in {exceeded}"
@@ -298,7 +287,7 @@ def _turning_length(strengths: Strengths, row: Computed, length: float) -> float
     """
     per_length, bounds = float(strengths.moments[2, 0]) / row.load.height, row.bounds
     if row.place != "interior" or bounds.lower.value > (1.0 - TOLERANCE) * per_length * length:
-        bounds = bounds_of(strengths, row.load._replace(end_distance=None), tolerance=2.0 * TOLERANCE)[1]
+        bounds = bounds_of(strengths, row.load._replace(end_distance=None), tolerance=2.0 * TOLERANCE)
     return bounds.lower.value / per_length
 
 
@@ -306,8 +295,7 @@ def _simple_rows(
     case: Any, strengths: Strengths, rows: list[Computed], shortest: float
 ) -> list[dict[str, object]]:
     """Return punching, deck overhang and moment of the impact by simple formulas."""
-    table, first = case.scene.parapet, rows[0]
-    assert table
+    table, first = parapet_of(case.scene), rows[0]
     governing = [row.lower for row in rows if row.load_name == "code" and row.lower]
     tension = overhang_tension(first.formula.force, first.formula.critical_length, strengths.height)
     items: list[tuple[str, float, str, str]] = [
@@ -334,7 +322,7 @@ def _simple_rows(
 
 
 def _numbers(
-    rows: list[Computed], strengths: Strengths, demand: float, ratio: dict[str, Any], has_section: bool
+    rows: list[Computed], strengths: Strengths, demand: float, ratio: dict[str, Any]
 ) -> dict[str, Any]:
     """Return the part `parapet` of the summary, SI."""
     impact = [row for row in rows if row.load_name != "code"]

@@ -49,7 +49,6 @@ class Computed(NamedTuple):
     load_name: str
     place: str
     load: Load
-    plate: PlasticPlate
     bounds: Bounds
     formula: Resistance
 
@@ -104,8 +103,8 @@ def bounds_of(
     length: float = math.inf,
     tolerance: float = TOLERANCE,
     most: int = MOST_TRIANGLES,
-) -> tuple[PlasticPlate, Bounds]:
-    """Return the plate of a wall and its strength [N].
+) -> Bounds:
+    """Return bounds of the strength of a wall [N].
 
     tolerance, most: see `collapse_load`. More of a long wall is modelled while its end alone keeps the bounds apart.
     """
@@ -115,7 +114,7 @@ def bounds_of(
         bounds = collapse_load(plate, *_first_mesh(plate), tolerance, most, math.inf if ends else FAR)
         if ends or bounds.width < FAR:
             break
-    return plate, bounds
+    return bounds
 
 
 def _first_mesh(plate: PlasticPlate) -> tuple[Floats, Indices]:

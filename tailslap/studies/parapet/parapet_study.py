@@ -15,8 +15,7 @@ from postprocess.units import measure
 from tailslap.campaign.records import Record
 from tailslap.case.case import Case
 from tailslap.case.report_parts import study_page, study_summary
-from tailslap.errors import InputError, Missing
-from tailslap.scene.parapet_keys import load_length_of, strengths_of
+from tailslap.scene.parapet_keys import load_length_of, parapet_of, strengths_of
 from tailslap.wall_strength.report import MEANING, nominal_force
 from tailslap.wall_strength.strength import Load, bounds_of
 
@@ -62,9 +61,7 @@ def compute(case: Case, place: Path) -> ParapetResult:
 
     Raises InputError for a scene without [parapet].
     """
-    table = case.scene.parapet
-    if table is None:
-        raise InputError("parapet", Missing, "this table is required for `tailslap study parapet`")
+    table = parapet_of(case.scene)
     strengths, longest = strengths_of(table), table.length or math.inf
     height, length = table.load_height or table.height, load_length_of(case.scene, table)
     size = table.height
@@ -78,7 +75,7 @@ def compute(case: Case, place: Path) -> ParapetResult:
     for varied, load in ((varied, load) for varied, of_one in loads.items() for load in of_one):
         if load.length + 2.0 * (load.end_distance or 0.0) > longest:
             continue
-        bounds = bounds_of(strengths, load, longest, TOLERANCE, MOST)[1]
+        bounds = bounds_of(strengths, load, longest, TOLERANCE, MOST)
         formula = strengths.resistance(load.length, "end" if load.end_distance == 0.0 else "interior").force
         lower = bounds.lower.value or math.nan
         upper = bounds.upper.value if math.isfinite(bounds.upper.value) else math.nan
