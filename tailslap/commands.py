@@ -117,10 +117,8 @@ def compare(
     names = tuple(name.strip() for name in (only or "").split(",") if name.strip())
 
     arguments |= {"columns": columns, "only": names, "author": author or "", "force": force}
-    compute, place = (
-        functools.partial(tailslap.compare, *results, **arguments),
-        out or default_place("compare", ()),
-    )
+    compute = functools.partial(tailslap.compare, *results, **arguments)
+    place = out or default_place("compare", ())
     return deliver(compute, place, Origin("compare", ""), as_json, units, inputs=results, force=force)
 
 

@@ -307,10 +307,8 @@ class Case(ABC):
             lines = resources.estimate_lines(self.scene, self.duration)
         else:
             lines = self.check_lines(self.plan() if self.scene.plate else None)
-        rigid, answer = (
-            self.headline(),
-            "The scene is valid for `tailslap rigid`; a run needs the table [plate].",
-        )
+        rigid = self.headline()
+        answer = "The scene is valid for `tailslap rigid`; a run needs the table [plate]."
         if self.scene.plate:
             answer = f"The scene is valid; a run takes {lines['steps'][0]}."
         return replace(rigid, answer=answer, certainty=f"Rigid-body method: {rigid.answer}"), lines

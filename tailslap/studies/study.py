@@ -106,11 +106,7 @@ def checked_options(study: Study, options: Mapping[str, Any]) -> Record:
 
 
 def prepared(
-    study: Study,
-    case: Case,
-    out: Path | None,
-    allow_large: bool,
-    options: Mapping[str, Any],
+    study: Study, case: Case, out: Path | None, allow_large: bool, options: Mapping[str, Any]
 ) -> tuple[Path, Origin]:
     """Return place of the result folder and origin.
 

@@ -80,9 +80,8 @@ class CornerReport(run_report.FeReport):
         sentence = "No tail-slap within the run."
         if outcome.fe:
             failed = set(failed_names(outcome.checks)) - corner_checks.reaction_checks()
-            sentence = case.force_sentence(
-                outcome.lateral_force, failed <= {"agreement with rigid"}, self.band
-            )
+            is_reliable = failed <= {"agreement with rigid"}
+            sentence = case.force_sentence(outcome.lateral_force, is_reliable, self.band)
         return Headline(
             case.headline().title,
             failed_sentence(outcome.checks) + sentence,
@@ -226,14 +225,11 @@ def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
     no_friction = "the coefficient of friction is 0"
     if corner.frictionless:
         no_friction = f'corner.reaction is "{corner.reaction}"'
+    rubs = scene.corner_friction and not corner.frictionless
     no_impact = "no [impact] table; [start] defines the state after the impact"
     parts = [
         (scene.impact, "stage 1", no_impact),
-        (
-            scene.corner_friction and not corner.frictionless,
-            "friction",
-            f"{no_friction}: no friction code in the time loop",
-        ),
+        (rubs, "friction", f"{no_friction}: no friction code in the time loop"),
         (scene.damping, "damping", "neither requested nor required: no damping code in the time loop"),
         (not plate or plate.relieved, "inertia relief", unstressed),
         (not fault, "exact inertia", f'plate.lumping is "{lumping}": {fault}'),

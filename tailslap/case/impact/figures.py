@@ -157,11 +157,5 @@ def animation(
     """
     h = outcome.run.history
     with progress.announced("Drawing the animation ..."):
-        return write_animation(
-            folder / "impact.gif",
-            h["t"],
-            (from_above(outlines(outcome.fe, outcome.fe_plan.case.vehicles)),),
-            h["force_normal"],
-            units=units,
-            size=size or SIZE,
-        )
+        views = (from_above(outlines(outcome.fe, outcome.fe_plan.case.vehicles)),)
+        return write_animation(folder / "impact.gif", h["t"], views, h["force_normal"], units, size or SIZE)

@@ -56,11 +56,9 @@ class RigidImpact(RigidMotion):
         """Inertial estimate in words, empty of trains."""
         if self.inertial is None:
             return ""
-        height = (
-            f" at a height of {measure(self.inertial['height'], 'm', '.2f')}"
-            if "height" in self.inertial
-            else ""
-        )
+        height = ""
+        if "height" in self.inertial:
+            height = f" at a height of {measure(self.inertial['height'], 'm', '.2f')}"
         where = f"{measure(self.inertial['position'], 'm', '.2f')} behind the front{height}"
         assumed = ", an assumed place" if self.inertial["assumed"] else ""
         return (

@@ -296,11 +296,8 @@ class RigidMotion(Case):
             is_assumed = not is_placed or sensor is None or sensor.height is None
             mean = float(self.space.motion.answers.inertial_50ms)
             return {"mean_50ms": mean, "position": position, "height": height, "assumed": is_assumed}
-        position, speed = (
-            float(rigid_input.sensor_position(self.scene, {})),
-            self._sensor_velocity(self.in_plane),
-        )
-        force = self.vehicle.mass * np.diff(speed) / self.in_plane.interval
+        position = float(rigid_input.sensor_position(self.scene, {}))
+        force = self.vehicle.mass * np.diff(self._sensor_velocity(self.in_plane)) / self.in_plane.interval
         mean = float(force_curves(force, self.in_plane.interval, ("mean_50ms",))["mean_50ms"].max())
         return {"mean_50ms": mean, "position": position, "assumed": not is_placed}
 

@@ -94,10 +94,8 @@ def compute(case: Any, place: Path) -> CostResult:
     if impact:
         todo, changes, patch = cost_settings.impact_settings(case)
     else:
-        todo, changes = (
-            [*cost_settings.settings(case.scene), *cost_settings.soft_settings(case.scene)],
-            cost_settings.soft_changes(case),
-        )
+        todo = [*cost_settings.settings(case.scene), *cost_settings.soft_settings(case.scene)]
+        changes = cost_settings.soft_changes(case)
     varied = case.varied(changes)
     definition = {"study": "cost", "scene": case.scene.model_dump(), "settings": [s.key for s in todo]}
     parts = {s.key: ((varied if impact or s.soft else case).source, s) for s in todo}
