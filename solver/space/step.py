@@ -155,7 +155,7 @@ def _accelerate(fleet, i, k, h, work, stops):
 
 @compiled
 def _write_row(fleet, i, work, first, parts, row, rows):
-    """Write the means of a row, and the row where there is room."""
+    """Write the means of a row, and the row if it fits."""
     unit, means_of_row = fleet.units[i, 0], work.windows[row]
     end_row(work.sums, work.before, first, parts, means_of_row[: col.SENSED])
     _, means_of_row[col.SENSED], _ = point_velocity(
