@@ -22,6 +22,7 @@ from solver.impact import state as col
 from solver.impact.contact import crush_of, deepening, mean_speeds, press, set_line
 from solver.impact.counting import count_strikes, end_of_motion, mark_cut
 from solver.impact.tyres import end_tyre_step, record_tyres, start_tyres, steer
+from solver.rotation import sine_and_versine
 
 NEAR = 0.25
 """Step over the remaining time to the next jump of stiffness, at the tolerance."""
@@ -32,9 +33,6 @@ ROUNDED = 1e-9
 LOADING, UPRIGHT = 2.0, 0.25
 """Phase of a step on loading over that on a line of unloading; the second where the line is vertical and force
 jumps."""
-
-SINE, VERSINE = (1 / 6, 1 / 20, 1 / 42), (1 / 12, 1 / 30, 1 / 56)
-"""Ratios of the coefficients of their series, as factors: a division takes the time of four products."""
 
 
 @compiled
@@ -211,7 +209,7 @@ def _look_back(points, last, h):
 def _place(points, point_owner, motion, headings, h, start):
     """Update arms and depths of all points at the new instant.
 
-    Headings turn, and depths increase, by the motion of the step: sines by their series to the eighth power.
+    Headings turn, and depths increase, by the motion of the step.
     """
     for j in range(motion.shape[1]):
         motion[1, j] = motion[2, j]
@@ -221,9 +219,8 @@ def _place(points, point_owner, motion, headings, h, start):
             heading[0], heading[1] = np.cos(motion[0, 3 * u + 2]), np.sin(motion[0, 3 * u + 2])
             continue
         square, c, s = turn * turn, heading[0], heading[1]
-        sine = turn * (1.0 - square * SINE[0] * (1.0 - square * SINE[1] * (1.0 - square * SINE[2])))
-        versine = 1.0 - square * VERSINE[0] * (1.0 - square * VERSINE[1] * (1.0 - square * VERSINE[2]))
-        versine *= 0.5 * square
+        sine, versine = sine_and_versine(square)
+        sine, versine = turn * sine, 0.5 * square * versine
         heading[0] += s * sine - c * versine
         heading[1] -= c * sine + s * versine
         heading[2], heading[3] = sine, versine

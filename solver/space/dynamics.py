@@ -15,6 +15,7 @@ import numpy as np
 
 from machine_code.compiled import reordered
 from solver.body import GRAVITY
+from solver.rotation import sine_and_versine
 from solver.space.state import (
     AT,
     AXLE_INERTIA,
@@ -265,10 +266,9 @@ def move(bodies, joints, h):
         for j in range(3):
             b[AT + j] += h * b[SPEED + j]
         x, y, z = b[SPIN], b[SPIN + 1], b[SPIN + 2]
-        rate = np.sqrt(x * x + y * y + z * z)
-        half = 0.5 * h * rate
-        c, s = np.cos(half), np.sin(half)
-        scale = 0.5 * h if rate == 0.0 else s / rate
+        square = 0.25 * h * h * (x * x + y * y + z * z)  # of half the angle
+        sine, versine = sine_and_versine(square)
+        c, scale = 1.0 - 0.5 * square * versine, 0.5 * h * sine
         x, y, z = scale * x, scale * y, scale * z
         w, i, j, k = b[TURN], b[TURN + 1], b[TURN + 2], b[TURN + 3]
         w, i, j, k = (
@@ -277,7 +277,7 @@ def move(bodies, joints, h):
             w * y - i * z + j * c + k * x,
             w * z + i * y - j * x + k * c,
         )
-        norm = 1.0 / np.sqrt(w * w + i * i + j * j + k * k)
+        norm = 1.5 - 0.5 * (w * w + i * i + j * j + k * k)  # of rounding alone, which it removes
         b[TURN], b[TURN + 1], b[TURN + 2], b[TURN + 3] = norm * w, norm * i, norm * j, norm * k
     for a in range(joints.shape[0]):
         for j in range(2):

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from machine_code.compiled import compiled
 from machine_code.object_code import flattened
 from solver.body import GRAVITY
 from solver.impact import CrushLaw, ImpactVehicle, TyreAxle, WallContact, first_touch, solve_impact
+from solver.rotation import sine_and_versine
 from solver.space import SpaceStrip, SpaceVehicle, SpaceWall, solve_space
 from solver.space import state as columns
 from solver.space.columns import AXLE_GYRATION
@@ -569,3 +571,18 @@ def test_second_order_by_a_smooth_force():
     for column in errors.T:
         assert np.polyfit(np.log([1, 2, 4, 8]), -np.log(column), 1)[0] == pytest.approx(2.0, abs=0.1)
     assert errors[-1].max() < 1e-5
+
+
+@pytest.mark.parametrize("angle", [1e-9, 1e-3, 0.0316, 0.0317, 0.5, 3.0])
+def test_sines_of_a_rotation(angle):
+    """Series and functions agree with exact fractions of a long series."""
+    square, terms = Fraction(angle) ** 2, range(24)
+    sine = sum((-square) ** n / math.factorial(2 * n + 1) for n in terms)
+    versine = 2 * sum((-square) ** n / math.factorial(2 * n + 2) for n in terms)
+    assert _sines(float(square)) == pytest.approx((float(sine), float(versine)), rel=4e-16)
+    assert _sines(0.0) == (1.0, 1.0)
+
+
+@compiled
+def _sines(square):
+    return sine_and_versine(square)
