@@ -31,6 +31,7 @@ IN_SPACE = (
 )  # fmt: skip
 COMPILED = {
     "postprocess.signals.compiled_filters",
+    "solver.rotation",
     *(f"solver.space.{name}" for name in IN_SPACE),
     *(f"solver.impact.{name}" for name in STEPS),
 }
