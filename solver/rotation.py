@@ -13,9 +13,9 @@ SINE, VERSINE = (1 / 6, 1 / 20, 1 / 42), (1 / 12, 1 / 30, 1 / 56)
 
 @inlined
 def sine_and_versine(square: float) -> tuple[float, float]:
-    """Return sin a / a and 2 (1 - cos a) / a^2.
+    """Return sine over angle, and versine over half its square.
 
-    square: of the angle a.
+    (sin a) / a and (1 - cos a) / (a^2 / 2); square: a^2.
     """
     if square > SERIES:
         angle = np.sqrt(square)
