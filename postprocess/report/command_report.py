@@ -71,10 +71,10 @@ def write_report(report: Report, folder: Path, page: str = PAGE) -> None:
         (folder / name).write_text(text, encoding="utf-8")
     for chart in report.page.charts:
         (folder / f"{chart.name}.svg").write_text(chart.svg, encoding="utf-8")
-    origin = report.page.footer
-    seal = f"SHA-256 of the list of the other files: `{files_digest(folder, page)}`."
+    origin, digest = report.page.footer, files_digest(folder, page)
+    seal = f"SHA-256 of the list of the other files: `{digest}`."
     write_page(folder / page, replace(report.page, footer=f"{origin} {seal}".strip()))
-    write_crate(folder, page, report.page.headline, origin, str(report.numbers.get("version", "")))
+    write_crate(folder, page, digest, report.page.headline, origin, str(report.numbers.get("version", "")))
 
 
 def report_text(report: Report, place: Path, page: str = PAGE, most: float = math.inf) -> str:

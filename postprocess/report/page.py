@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from postprocess.report.prose import prose
-from postprocess.report.tables import Table
+from postprocess.report.tables import Column, Table
 from postprocess.units import SI, US, Units
 
 if TYPE_CHECKING:
@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 
 SEPARATOR = "\x1e"
 """Mark of the page's template: end of a part that units change."""
+
+LONG = 24
+"""Letters of words in a cell that may be broken."""
 
 
 @dataclass(frozen=True)
@@ -215,15 +218,36 @@ def template(name: str) -> Template:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"words": prose, "prose": lambda text: between(prose(text))}
+    environment.filters |= {"words": prose, "prose": compared, "cell": cell}
     return environment.get_template(name)
 
 
-def between(html: str) -> Markup:
-    """Return a part of a page between separators, which `in_both_units` compares."""
+def compared(text: str) -> Markup:
+    """Return a text as HTML that `in_both_units` compares."""
     from markupsafe import Markup
 
-    return Markup(SEPARATOR + html + SEPARATOR)
+    return Markup(f"{SEPARATOR}{prose(text)}{SEPARATOR}")
+
+
+def cell(column: Column, record: object, is_head: bool) -> Markup:
+    """Return the entry of a record as a cell.
+
+    is_head: whether it is the first of its row.
+    """
+    from markupsafe import Markup, escape
+
+    text = column.text(record)
+    if column.style == "badge" and not is_head:
+        kind = "pass" if column.value(record) else "fail"
+        return Markup(f'<td><span class="badge {kind}">{escape(text)}</span></td>')
+    tag, scope, kind = "td", "", "n" if column.form else "text"
+    if is_head:
+        tag, scope, kind = "th", ' scope="row"', "whole" if column.form and not column.style else ""
+    size = "long" if not column.form and len(text) > LONG else ""
+    names = " ".join(filter(None, (kind, column.style, size)))
+    style = f' class="{names}"' if names else ""
+    below = f"<small>{compared(column.below.text(record))}</small>" if column.below else ""
+    return Markup(f"<{tag}{scope}{style}>{compared(text)}{below}</{tag}>")
 
 
 def in_both_units(texts: Sequence[str], units: Units) -> str:

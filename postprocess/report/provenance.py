@@ -39,11 +39,12 @@ def _files(folder: Path) -> list[Path]:
     return sorted(path for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
 
 
-def write_crate(folder: Path, page: str, headline: Headline, origin: str, version: str) -> Path:
+def write_crate(folder: Path, page: str, digest: str, headline: Headline, origin: str, version: str) -> Path:
     """Describe the files of a folder in `ro-crate-metadata.json`.
 
-    folder: with all files of the result; page: file name of the page, and headline: its title and answer; origin:
-    description of how the result was computed; version: of the program. Returns the path of the file.
+    folder: with all files of the result; page: file name of the page, and headline: its title and answer; digest: of
+    the other files; origin: description of how the result was computed; version: of the program. Returns the path of
+    the file.
     """
     paths, headline = [path for path in _files(folder) if path.name != CRATE], headline.in_units(SI)
     about = {"@id": CRATE, "@type": "CreativeWork", "conformsTo": {"@id": CONTEXT}, "about": {"@id": "./"}}
@@ -53,7 +54,7 @@ def write_crate(folder: Path, page: str, headline: Headline, origin: str, versio
         "name": headline.title,
         "description": " ".join(headline.lines),
         "datePublished": datetime.date.today().isoformat(),
-        "identifier": f"sha256:{files_digest(folder, page)}",
+        "identifier": f"sha256:{digest}",
         "mainEntity": {"@id": page},
         "hasPart": [{"@id": path.name} for path in paths],
     }

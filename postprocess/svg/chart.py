@@ -109,6 +109,11 @@ class Frame:
     x: scales.Scale
     y: scales.Scale
 
+    @cached_property
+    def marks(self) -> str:
+        """SVG elements of the marks, the same in all units."""
+        return "".join(mark.draw(self.x, self.y) for mark in self.plot.marks)
+
     def ticks(self, units: Units) -> list[tuple[float, str]]:
         """Return places and texts of the ticks of y."""
         return self.plot.y.ticks(self.y, 26.0, units)
@@ -203,7 +208,7 @@ def drawn(frame: Frame, across: Axis, systems: Systems) -> str:
     parts = [
         f'<g class="plot" {data}>',
         in_systems(systems, lambda units: _y_axis(frame, units)),
-        f'<g class="marks">{"".join(mark.draw(x, y) for mark in plot.marks)}</g>',
+        f'<g class="marks">{frame.marks}</g>',
         _stroked(f'<rect class="frame" {box}', "grey") if frame.ticks(SI) else "",
         in_systems(systems, lambda units: f'<g class="beside">{_level_names(frame, units)}</g>'),
     ]
@@ -288,6 +293,12 @@ class Chart:
         """Drawing that stands alone."""
         return self._drawn((self.units,))
 
+    @cached_property
+    def layout(self) -> tuple[str, float, list[Frame]]:
+        """Legend, its height, and the plots, the same in all units."""
+        legend, top = _legend(self.plots[0], self.width)
+        return legend, top, framed(self.plots, self.x, self.width, top)
+
     @property
     def on_page(self) -> str:
         """Drawing with the texts of both systems of units."""
@@ -304,14 +315,15 @@ class Chart:
         return any(isinstance(mark, Moving | Cursor) for plot in self.plots for mark in plot.marks)
 
     def in_units(self, units: Units) -> Chart:
-        """Return the chart in other units."""
-        return replace(self, units=units, caption=units.rendered(self.caption))
+        """Return the chart in other units, this one where they change nothing."""
+        caption = units.rendered(self.caption)
+        is_same = units is self.units and caption == self.caption
+        return self if is_same else replace(self, units=units, caption=caption)
 
     def _drawn(self, systems: Systems) -> str:
         """Return SVG text with axes in several systems of units."""
         with np.errstate(all="ignore"):
-            legend, top = _legend(self.plots[0], self.width)
-            frames = framed(self.plots, self.x, self.width, top)
+            legend, top, frames = self.layout
             body = "".join(drawn(frame, self.x, systems) for frame in frames)
             body += in_systems(systems, lambda units: _x_axis(self.x, frames, units))
         height = frames[-1].y.start + _foot(self.x)

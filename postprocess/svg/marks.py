@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
-from itertools import compress, pairwise
+from itertools import compress
 from typing import ClassVar, NamedTuple, TypedDict
 
 import numpy as np
@@ -65,19 +65,22 @@ def labelled(label: str) -> str:
     return f'data-label="{escape(SI.rendered(label))}" ' if label else ""
 
 
-def path(places: Floats, digits: tuple[int, int] = DRAWN) -> str:
+def path(places: Floats, digits: tuple[int, int] = DRAWN, end: str = "") -> str:
     """Return the path through places, shape (n, 2).
 
     It consists of a start and steps, and has gaps where places are not finite. digits: decimals of x and y; their
-    rounding errors do not add up, as each step ends at a rounded place.
+    rounding errors do not add up, as each step ends at a rounded place. end: after each piece.
     """
     sound, size = np.isfinite(places).all(axis=-1), 10.0 ** np.array(digits)
     ends = np.flatnonzero(np.diff(np.concatenate([[False], sound, [False]]).astype(int)))
+    rounded = np.rint(places * size)
+    steps = np.diff(rounded, axis=0, prepend=0.0)
+    steps[ends[::2]] = rounded[ends[::2]]
+    texts = [f"{across:.10g} {down:.10g}" for across, down in (steps / size + 0.0).tolist()]
     pieces = []
-    for first, last in list(pairwise(ends))[::2]:
-        steps = np.diff(np.rint(places[first:last] * size), axis=0, prepend=[(0.0, 0.0)]) / size + 0.0
-        start, *further = [f"{across:.10g} {down:.10g}" for across, down in steps.tolist()]
-        pieces.append(f"M{start}l{' '.join(further)}".removesuffix("l").replace(" -", "-"))
+    for first, last in ends.reshape(-1, 2).tolist():
+        further = " ".join(texts[first + 1 : last])
+        pieces.append(f"M{texts[first]}l{further}".removesuffix("l").replace(" -", "-") + end)
     return "".join(pieces)
 
 

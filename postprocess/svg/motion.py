@@ -57,7 +57,7 @@ class Moving(Mark):
         wide, rows = x.end - x.start, film_rows(self.t)
         places = np.stack([x.at(self.x[rows]) - x.start, y.at(self.y[rows]) - y.end], axis=-1)
         places[..., 0] += wide * np.arange(rows.size)[:, None]
-        edges = "".join(f"{path(place)}Z" for place in places)
+        edges = path(np.pad(places, ((0, 0), (0, 1), (0, 0)), constant_values=np.nan).reshape(-1, 2), end="Z")
         shapes = f'<path d="{edges}" fill-opacity="{self.fill:g}" stroke="currentColor" stroke-width="1.2"/>'
         window = f'x="{x.start:.2f}" y="{y.end:.2f}" width="{wide:.2f}" height="{y.start - y.end:.2f}"'
         film = animated(shapes, wide * (1 - rows.size), self.t)

@@ -3,6 +3,8 @@
 import itertools
 import math
 import re
+from dataclasses import replace
+from unittest.mock import Mock
 from xml.etree import ElementTree
 
 import numpy as np
@@ -18,7 +20,7 @@ from postprocess.svg.areas import Boxes, Layer, Span
 from postprocess.svg.chart import FULL, Axis, Chart, Plot, framed
 from postprocess.svg.marks import PALETTE, Level, Line, Swatch, Words, text_width
 from postprocess.svg.scales import Scale, Shades, cells_about, fitted, power_text, round_ticks, tick_texts
-from postprocess.units import SI
+from postprocess.units import SI, measure
 from tailslap.scene.read import read_scene
 from tailslap.studies.stability.cell_verdicts import MAP_KINDS as KINDS
 from tailslap.studies.stability.stability_axes import axes_of
@@ -640,3 +642,14 @@ def test_curves_stay_below_the_names_of_spans(row):
     gap = free.y.at(5.0) - free.y.end
     assert named.y.at(5.0) - named.y.end >= gap + 11.0 * (row + 1) * 0.9
     assert free.y.high < named.y.high < 2.0 * free.y.high
+
+
+def test_marks_are_drawn_once_for_file_and_page(monkeypatch):
+    """A chart in its own units is itself, unless its caption has measures."""
+    draw = Mock(side_effect=Line.draw)
+    monkeypatch.setattr(Line, "draw", lambda *given: draw(*given))
+    chart = Chart("c", "Caption", (Plot((Line("y", np.arange(2.0), np.arange(2.0)),)),), Axis("x [m]"))
+    assert chart.svg
+    assert chart.in_units(SI).on_page
+    draw.assert_called_once()
+    assert replace(chart, caption=measure(2.0, "m")).in_units(SI).caption == "2 m"
