@@ -73,7 +73,9 @@ def write_report(report: Report, folder: Path, page: str = PAGE) -> None:
         (folder / f"{chart.name}.svg").write_text(chart.svg, encoding="utf-8")
     origin, digest = report.page.footer, files_digest(folder, page)
     seal = f"SHA-256 of the list of the other files: `{digest}`."
-    write_page(folder / page, replace(report.page, footer=f"{origin} {seal}".strip()))
+    original = report.page.original or report.page
+    sealed = replace(original, footer=f"{original.footer} {seal}".strip())
+    write_page(folder / page, sealed.in_units(report.page.units))
     write_crate(folder, page, digest, report.page.headline, origin, str(report.numbers.get("version", "")))
 
 

@@ -12,8 +12,9 @@ import tailslap
 from postprocess.fields.canvas import LIGHT, Canvas
 from postprocess.fields.contours import ContourField, Situation, draw_contours, draw_instants
 from postprocess.figures.animation import from_above, write_animation
-from postprocess.report.command_report import Report
+from postprocess.report.command_report import PAGE, Report, write_report
 from postprocess.report.page import Headline, Page, Section, page_text
+from postprocess.report.provenance import files_digest
 from postprocess.report.tables import Column, Table
 from postprocess.svg.chart import Axis, Chart, Plot
 from postprocess.svg.marks import Level, Line
@@ -156,6 +157,13 @@ def test_a_report_is_in_american_units_everywhere():
     assert us_report.page.footer == "US units, files in SI; x along"
     assert Report(page, {}, ()).in_units(SI).page.headline.answer == SI.rendered(two) == "2 m"
     assert Report(page, {}, ()).in_units(SI).page.footer == page.footer
+
+
+@pytest.mark.parametrize("units", [SI, US])
+def test_a_page_in_any_units_shows_the_digest(tmp_path, units):
+    write_report(Report(Page("", Headline("Title", ""), (), "SI units"), {}, ()).in_units(units), tmp_path)
+    digest = f"<code>{files_digest(tmp_path, PAGE)}</code>"
+    assert (tmp_path / PAGE).read_text(encoding="utf-8").count(digest) == 2
 
 
 def test_a_page_has_both_systems_and_its_switch_shows_one():
