@@ -93,7 +93,8 @@ def about(value: float, tolerance: float, origin: str) -> Limits:
 class Range:
     """An input, uniformly distributed between two values.
 
-    `scene_value` is that of the scene where it has one. All values are in `unit`.
+    A key with "*" is a factor of the scene's values of all axles or strips. `scene_value` is that of the scene where it
+    has one. All values are in `unit`.
     """
 
     key: str
@@ -118,16 +119,16 @@ class Range:
 def ranges_of(
     case: Case,
     used: tuple[str, ...],
-    limits: Mapping[str, Limits],
-    ranges: tuple[str, ...],
-    fixed: tuple[str, ...],
+    limits: Mapping[str, Limits | TypedLimits],
+    ranges: tuple[str, ...] = (),
+    fixed: tuple[str, ...] = (),
 ) -> tuple[Range, ...]:
     """Return the ranges of a case.
 
     used: keys that may vary; limits: default ranges; ranges, fixed: options --range (KEY=LOWER:UPPER) and --fix (KEY).
     The scene defines units and values of the keys. Raises InputError for an invalid range or key.
     """
-    ends: dict[str, Limits | TypedLimits] = {key: ends for key, ends in limits.items() if key in used}
+    ends = {key: ends for key, ends in limits.items() if key in used}
     for text in ranges:
         key, lower, upper = _split(text, used)
         if key in ends and ends[key][2] == FROM_USER:
@@ -157,6 +158,8 @@ def _split(text: str, used: tuple[str, ...]) -> tuple[str, str, str]:
 
 def _range(case: Case, key: str, lower: float | str, upper: float | str, origin: str) -> Range:
     """Return the range of a key."""
+    if "*" in key:
+        return Range(key, *_factors(key, lower, upper), "", 1.0, origin)
     typed, base = origin == FROM_USER, key.partition("@")[0]  # of a corner among several
     try:
         changes = ({base: parse_value(str(end)) if typed else end} for end in (lower, upper))
@@ -177,3 +180,15 @@ def _range(case: Case, key: str, lower: float | str, upper: float | str, origin:
     return Range(
         key, low, high, unit_at(key, case.source.tables), None if nominal is None else float(nominal), origin
     )
+
+
+def _factors(key: str, *ends: float | str) -> tuple[float, float]:
+    """Return the ends of the range of a factor. Raises InputError."""
+    try:
+        lower, upper = map(float, ends)
+    except ValueError:
+        lower = upper = 0.0
+    if not 0.0 < lower < upper < math.inf:
+        allowed = f"this key is a factor of the scene's values; allowed is e.g. {key}=0.5:2"
+        raise InputError(key, ":".join(map(str, ends)), allowed)
+    return lower, upper

@@ -9,12 +9,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from solver import space
 from solver.conditions import RigidBodyError
 from tailslap.campaign import input_ranges
-from tailslap.campaign.input_ranges import Limits, Range, TypedLimits, about, nominal_value
+from tailslap.campaign.input_ranges import Limits, Range, TypedLimits, about, nominal_value, ranges_of
 from tailslap.campaign.sampling import Array
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.space.input import space_input
@@ -108,25 +106,8 @@ def default_ranges(case: ImpactCase, nominal: Mapping[str, float]) -> dict[str, 
 def space_ranges(case: ImpactCase, ranges: tuple[str, ...], fixed: tuple[str, ...]) -> tuple[Range, ...]:
     """Return the ranges of a vehicle in space, factors last. Raises InputError."""
     nominal = nominal_values(case)
-    limits, factors = default_ranges(case, nominal), [key for key in GROUPS if key in nominal]
-    of_factor = lambda text: text.partition("=")[0].strip() in factors  # noqa: E731
-    used = tuple(key for key in nominal if key not in factors)
-    singles = input_ranges.ranges_of(
-        case,
-        used,
-        limits,
-        tuple(r for r in ranges if not of_factor(r)),
-        tuple(f for f in fixed if not of_factor(f)),
-    )
-    typed = dict(map(_typed_factor, filter(of_factor, ranges)))
-    ends = {key: limits[key] for key in factors if key not in fixed} | typed
-    repeated = [key for key in typed if key in fixed]
-    if repeated:
-        raise InputError("--fix", repeated[0], "--range and --fix exclude each other; remove one of the two")
-    return (
-        *(replace(item, scene_value=nominal[item.key]) for item in singles),
-        *(Range(key, ends[key][0], ends[key][1], "", 1.0, ends[key][2]) for key in factors if key in ends),
-    )
+    varied = ranges_of(case, tuple(nominal), default_ranges(case, nominal), ranges, fixed)
+    return tuple(replace(item, scene_value=nominal[item.key]) for item in varied)
 
 
 def stated_ranges(case: ImpactCase, limits: Mapping[str, Limits | TypedLimits]) -> tuple[Range, ...]:
@@ -134,28 +115,7 @@ def stated_ranges(case: ImpactCase, limits: Mapping[str, Limits | TypedLimits]) 
 
     Raises InputError.
     """
-    singles = {key: ends for key, ends in limits.items() if "*" not in key}
-    ranges = input_ranges.ranges_of(case, tuple(singles), singles, (), ())  # type: ignore[arg-type]  # texts with units
-    factors = (
-        Range(key, float(ends[0]), float(ends[1]), "", 1.0, ends[2])
-        for key, ends in limits.items()
-        if "*" in key
-    )
-    return (*ranges, *factors)
-
-
-def _typed_factor(text: str) -> tuple[str, Limits]:
-    """Return key and range of a typed factor. Raises InputError."""
-    key, _, values = (part.strip() for part in text.partition("="))
-    try:
-        lower, upper = map(float, values.split(":"))
-    except ValueError:
-        lower = upper = 0.0
-    if not 0.0 < lower < upper < np.inf:
-        raise InputError(
-            key, values, f"this key is a factor of the scene's values; allowed is e.g. {key}=0.5:2"
-        )
-    return key, (lower, upper, input_ranges.FROM_USER)
+    return ranges_of(case, tuple(sorted(limits, key=lambda key: "*" in key)), limits)
 
 
 def expanded(scene: Scene, inputs: Mapping[str, Any]) -> dict[str, Any]:
