@@ -49,7 +49,10 @@ def scheme() -> str:
     from tailslap.scene.read import read_scene
 
     unit = CornerCase(*read_scene("mash-tl4-sut")).unit
-    return positions.draw_set_up([unit], positions.SYMBOLS, positions.SCHEME).svg
+    symbols = {"length": "L", "width": "B", "angle": "θ", "speed": "v_0", "slide": "s"}
+    words = symbols | {"first": "first touch", "second": "tail-slap"}
+    caption = "Vehicle of length L and width B from above, at first touch and at the tail-slap"
+    return positions.draw_set_up([unit], words, caption).svg
 
 
 def positions(scene: str) -> str:

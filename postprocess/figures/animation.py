@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from postprocess.figures import histories
 from postprocess.figures.positions import EDGE
 from postprocess.svg.motion import SLOWER
-from postprocess.svg.scales import Floats
+from postprocess.svg.scales import Floats, even_rows
 from postprocess.units import SI, Units
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def write_animation(
     It is about `SLOWER` times slower than the impact. t: even instants [s], shape (n,), n >= 2; views: side by side;
     force on the wall [N], shape (n,); units: of the axes; size: [pixels].
     """
-    chosen = np.unique(np.linspace(0, t.size - 1, min(t.size, MAX_FRAMES)).astype(int))
+    chosen = even_rows(t, MAX_FRAMES)
     pause = 10 * max(2, round(100.0 * SLOWER * (t[-1] - t[0]) / (chosen.size - 1)))
     with histories.style():
         first, *further = _frames(chosen, t, views, force, units, size)

@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -151,13 +152,32 @@ def _draw_columns(panel: Panel, fe: History) -> chart.Chart:
     if panel.from_start:
         curves = {label: values - values[0] for label, values in curves.items()}
     power = power_of_ten(np.concatenate([*curves.values()]))
-    lines = tuple(
-        marks.Line(label, *thinned(fe["t"], values * 10.0**-power, FEW), colour, **marks.line_style(number))
-        for number, ((label, values), colour) in enumerate(zip(curves.items(), COLOURS, strict=False))
-    )
+    drawn = [Curve(label, fe["t"], values * 10.0**-power) for label, values in curves.items()]
+    lines = thin_lines(drawn, COLOURS, FEW)
     axis = chart.Axis(f"{panel.symbol} [{unit_with_power(panel.unit, power)}]")
     height = 216.0 - (18.0 if len(lines) > 1 else 0.0)
     return chart.Chart(panel.name, panel.caption, (chart.Plot(lines, axis, height),), TIME, panel.group)
+
+
+class Curve(NamedTuple):
+    """History of one origin.
+
+    t [s] and values, shape (instants,) each.
+    """
+
+    label: str
+    t: scales.Floats
+    values: scales.Floats
+
+
+def thin_lines(
+    curves: Sequence[Curve], colours: Sequence[str], stretches: int = STRETCHES
+) -> tuple[marks.Line, ...]:
+    """Return thinned curves as lines of different style."""
+    return tuple(
+        marks.Line(label, *thinned(t, values, stretches), colour, **marks.line_style(number))
+        for number, ((label, t, values), colour) in enumerate(zip(curves, cycle(colours), strict=False))
+    )
 
 
 def thinned(
@@ -199,31 +219,12 @@ def unit_with_power(unit: str, power: int) -> str:
     return f"10{str(power).translate(SUPERSCRIPTS)} {unit}" if power else unit
 
 
-class Curve(NamedTuple):
-    """History of one origin.
-
-    t [s] and values, shape (instants,) each.
-    """
-
-    label: str
-    t: scales.Floats
-    values: scales.Floats
-
-
 def draw_overlay(name: str, heading: str, curves: Sequence[Curve], caption: str, width: float) -> chart.Chart:
     """Draw overlaid curves as SVG for a page.
 
     name: of its file, heading: of their axis, with unit; width: of the chart [pixels].
     """
-    lines = tuple(
-        marks.Line(
-            curve.label,
-            *thinned(curve.t, curve.values),
-            ORIGINS[number % len(ORIGINS)],
-            **marks.line_style(number),
-        )
-        for number, curve in enumerate(curves)
-    )
+    lines = thin_lines(curves, ORIGINS)
     return chart.Chart(name, caption, (chart.Plot(lines, chart.Axis(heading)),), TIME, width=width)
 
 

@@ -15,7 +15,7 @@ from postprocess.svg.areas import Boxes, Layer, Span
 from postprocess.svg.chart import Chart
 from postprocess.svg.marks import Level, Line, Swatch, line_style
 from postprocess.svg.motion import Cursor
-from postprocess.svg.scales import Floats, Shades
+from postprocess.svg.scales import Floats, Shades, even_rows
 from postprocess.units import measure
 
 CORNERS, OTHER = {"front": "red", "rear": "fe"}, "soft"
@@ -135,10 +135,9 @@ def draw_curves(
 
     Shape (n,), in the unit of the axis, over t [s].
     """
-    lines = [
-        Line(label, *histories.thinned(t, values), colour, **line_style(k))
-        for k, ((label, values), colour) in enumerate(zip(curves.items(), LAYERS, strict=False))
-    ]
+    lines = histories.thin_lines(
+        [histories.Curve(name, t, values) for name, values in curves.items()], LAYERS
+    )
     plot = chart.Plot((*shaded(strikes), *lines), chart.Axis(axis), 230.0)
     return chart.Chart(name, caption, (plot,), START, "Train")
 
@@ -175,7 +174,7 @@ def draw_energies(t: Floats, kinetic: Floats, parts: Mapping[str, Floats], strik
     so on, the first at the bottom. The distance between line and layers is the error of the balance.
     """
     caption = "Decrease of the kinetic energy (line), and energies into which it is converted (layers)"
-    rows = np.unique(np.linspace(0, t.size - 1, INSTANTS).astype(int))
+    rows = even_rows(t, INSTANTS)
     used = {label: values[rows] / 1e3 for label, values in parts.items() if np.any(values)}
     tops = np.cumsum([np.zeros(rows.size), *used.values()], axis=0)
     bands = zip(used, tops, tops[1:], LAYERS, strict=False)

@@ -34,11 +34,6 @@ TOP, ROW = 0.9, 0.5
 COLOURS = ("steel", "fe")
 """Colours of first touch and strike."""
 
-SYMBOLS = {"length": "L", "width": "B", "angle": "θ", "speed": "v_0", "slide": "s"}
-SYMBOLS |= {"first": "first touch", "second": "tail-slap"}
-SCHEME = "Vehicle of length L and width B from above, at first touch and at the tail-slap"
-"""Texts of a drawing without numbers, and its caption."""
-
 
 def vehicle_outlines(
     x: Floats, y: Floats, theta: Floats, length: float, width: float, centre: float
@@ -160,9 +155,9 @@ class Unit(NamedTuple):
 def draw_set_up(units: Sequence[Unit], words: Mapping[str, str], caption: str) -> Chart:
     """Draw the wall Y = 0 and a vehicle's units to scale.
 
-    units: the foremost first; words: texts by the keys of `SYMBOLS`, which are dimensions of the foremost unit, angle,
-    speed, names of both positions, and the distance between them along the wall, which is measured if it has no text;
-    caption: also the alternative text of the drawing.
+    units: the foremost first; words: texts by "length" and "width" of the foremost unit, "angle", "speed", "first" and
+    "second" position, and "slide" between them, which is measured if it has no text; caption: also
+    the alternative text of the drawing.
     """
     outlines = [vehicle_outlines(*unit) for unit in units]
     front, size = outlines[0], units[0].length

@@ -19,7 +19,7 @@ from postprocess.svg.areas import Boxes, Outline, area
 from postprocess.svg.chart import Axis, Chart
 from postprocess.svg.marks import Level, Line, Mark, Swatch, Words, dot, line_style
 from postprocess.svg.motion import Cursor, Moving
-from postprocess.svg.scales import Floats
+from postprocess.svg.scales import Floats, even_rows
 from postprocess.units import measure
 
 History = Mapping[str, Floats]
@@ -302,7 +302,8 @@ def draw_force_height(t: Floats, force: Floats, moment: Floats, levels: Mapping[
     pressed = force > LEAST * force.max(initial=0.0)
     height = np.where(pressed, moment / np.where(pressed, force, 1.0), np.nan)
     forces = Line("50 ms mean", *histories.thinned(t, force / 1e3), "fe", 1.8)
-    heights = Line("height", *_thinned_with_gaps(t, height), "fe", 1.8)
+    rows = even_rows(t, 2 * histories.STRETCHES)
+    heights = Line("height", t[rows], height[rows], "fe", 1.8)
     lines = [Level(name, round(level, 3), "soft") for name, level in levels.items()]
     plots = (
         chart.Plot((forces, cursor), Axis("lateral force [kN]", low=0.0), 130.0, has_legend=False),
@@ -313,12 +314,6 @@ def draw_force_height(t: Floats, force: Floats, moment: Floats, levels: Mapping[
         f"{100 * LEAST:g} % of the largest"
     )
     return chart.Chart("space_force", caption, plots, histories.TIME, GROUP, chart.HALF)
-
-
-def _thinned_with_gaps(t: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Return times and values of rows at even instants, NaN in gaps."""
-    rows = np.unique(np.linspace(0, t.size - 1, 2 * histories.STRETCHES).astype(int))
-    return t[rows], values[rows]
 
 
 class Lift(NamedTuple):

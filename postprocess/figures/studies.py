@@ -5,7 +5,7 @@ method; sizes over the first frequency of a plate, stiff plates on the left.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import cycle
 from typing import Any, NamedTuple
 
@@ -20,8 +20,9 @@ from postprocess.units import measure
 # Indices: name, label, place in a row, colour.
 INDICES = (("first_order", "alone", 0.19, "fe"), ("total", "with interactions", -0.19, "steel"))
 
-# Label and colour of each strike.
+# Label and colour of each strike, and of predictions by whether the published value lies in the band.
 STRIKES = {1: ("first strike", "fe"), 2: ("second strike", "rigid")}
+INSIDE = {True: ("published value in the band", "green"), False: ("outside", "difference")}
 
 COLOURS = ("fe", "rigid", "green", "difference", "violet", "soft")
 """Colours of lines in order."""
@@ -31,39 +32,28 @@ PRECISION_HEIGHT = 460.0
 
 
 class BandBar(NamedTuple):
-    """Spread of a quantity over samples.
+    """Band of samples in a row.
 
-    ends: 5, 50 and 95 %; nominal: value of the scene.
+    kind: strike, or whether the published value lies in the band; ends: 5, 50 and 95 %; nominal: value of the scene.
     """
 
     label: str
-    strike: int
-    ends: tuple[float, float, float]
-    nominal: float
-
-
-class RatioBar(NamedTuple):
-    """Band of a prediction over the published value.
-
-    ends: 5, 50 and 95 % [-]; inside: whether the published value lies between.
-    """
-
-    label: str
+    kind: int
     ends: tuple[float, ...]
-    inside: bool
+    nominal: float = math.nan
 
 
-def _row_plot(names: Sequence[str], marks: Sequence[Mark], row: float) -> chart.Plot:
+def row_plot(names: Sequence[str], marks: Sequence[Mark], row: float) -> chart.Plot:
     """Return a plot of named rows, the first on top.
 
     row: height of one [pixels].
     """
-    named = tuple(zip(_heights(names).tolist(), names, strict=True))
+    named = tuple(zip(row_heights(names).tolist(), names, strict=True))
     axis = chart.Axis("", -0.6, len(names) - 0.4, named=named)
     return chart.Plot(tuple(marks), axis, row * len(names) + 8.0, nearest="y", has_grid=False)
 
 
-def _heights(names: Sequence[str]) -> Floats:
+def row_heights(names: Sequence[object]) -> Floats:
     """Return the heights of the rows, shape (n,)."""
     return np.arange(len(names), dtype=float)[::-1]
 
@@ -104,12 +94,12 @@ def draw_sensitivity(inputs: Sequence[Mapping[str, Any]], of: str = "the peak fo
     caption = f"Fraction of the variance of {of} due to each input, with its 95 % interval"
     names, marks = [row["key"] for row in inputs], list[Mark]()
     for index, label, shift, colour in INDICES:
-        values, rows = np.array([row[index] for row in inputs]), _heights(names) + shift
+        values, rows = np.array([row[index] for row in inputs]), row_heights(names) + shift
         from_zero = np.stack([0.0 * values, values], axis=-1)
         marks.append(Boxes(label, from_zero, _across(rows), colour, values.tolist(), names))
         intervals = [(*row[f"{index}_interval"], np.nan) for row in inputs]
         marks.append(Line("", np.ravel(intervals), np.repeat(rows, 3), "ink", 1.4))
-    plot = _row_plot(names, marks, 34.0)
+    plot = row_plot(names, marks, 34.0)
     return chart.Chart("sensitivity", caption, (plot,), chart.Axis("Sobol index"), "Sensitivity", chart.HALF)
 
 
@@ -118,60 +108,48 @@ def draw_bands(bars: Sequence[BandBar]) -> chart.Chart:
 
     With their medians and the values of the scene.
     """
+
+    def text(low: float, middle: float, high: float) -> str:
+        span = f"{measure(low, 'kN', '.0f', named=False)} to {measure(high, 'kN', '.0f')}"
+        return f"{span}, median {measure(middle, 'kN', '.0f')}"
+
     caption = "Peak lateral force: 5 to 95 %, median (stroke) and value of the scene (dot)"
-    labels, marks = [bar.label for bar in bars], list[Mark]()
-    placed = list(zip(_heights(labels), bars, strict=True))
-    for strike, (name, colour) in STRIKES.items():
-        rows = np.array([row for row, bar in placed if bar.strike == strike])
-        chosen = [bar for bar in bars if bar.strike == strike]
-        texts = [
-            f"{measure(a, 'kN', '.0f', named=False)} to {measure(c, 'kN', '.0f')}, median {measure(b, 'kN', '.0f')}"
-            for a, b, c in (bar.ends for bar in chosen)
-        ]
-        marks += _bands(
-            name, colour, rows, [bar.ends for bar in chosen], texts, [bar.label for bar in chosen]
-        )
-        marks.append(Line("", np.array([bar.nominal for bar in chosen]), rows, colour, 0.0, dots=3.6))
-    plot = _row_plot(labels, marks, 46.0)
+    marks = [mark for strike, style in STRIKES.items() for mark in _bands(bars, strike, *style, text)]
+    plot = row_plot([bar.label for bar in bars], marks, 46.0)
     return chart.Chart("bands", caption, (plot,), chart.Axis("peak lateral force [kN]"), width=chart.FULL)
 
 
-def draw_ratios(bars: Sequence[RatioBar]) -> chart.Chart:
+def draw_ratios(bars: Sequence[BandBar]) -> chart.Chart:
     """Draw bands of predictions over published values."""
     caption = (
         "Predicted over published: 5 to 95 % and median (stroke) of each row; the published value is at 1"
     )
-    labels, marks = [bar.label for bar in bars], list[Mark]()
-    heights = _heights(labels)
-    kinds = ((True, "published value in the band", "green"), (False, "outside", "difference"))
-    for inside, name, colour in kinds:
-        chosen = [number for number, bar in enumerate(bars) if bar.inside is inside]
-        ends = [bars[number].ends for number in chosen]
-        texts = [f"{a:.2f} to {c:.2f}, median {b:.2f}" for a, b, c in ends]
-        if chosen:
-            marks += _bands(name, colour, heights[chosen], ends, texts, [labels[number] for number in chosen])
-    marks.append(Span("", 1.0, 1.0, "ink"))
+    text = "{0:.2f} to {2:.2f}, median {1:.2f}".format
+    marks = [mark for inside, style in INSIDE.items() for mark in _bands(bars, inside, *style, text)]
+    plot = row_plot([bar.label for bar in bars], [*marks, Span("", 1.0, 1.0, "ink")], 30.0)
     axis = chart.Axis("predicted over published", is_log=True)
-    return chart.Chart("validation", caption, (_row_plot(labels, marks, 30.0),), axis, width=chart.FULL)
+    return chart.Chart("validation", caption, (plot,), axis, width=chart.FULL)
 
 
 def _bands(
-    name: str,
-    colour: str,
-    rows: Floats,
-    ends: Sequence[tuple[float, ...]],
-    texts: Sequence[str],
-    at: Sequence[str],
+    bars: Sequence[BandBar], kind: int, name: str, colour: str, text: Callable[..., str]
 ) -> list[Mark]:
-    """Return bars about these heights with a stroke at the median.
+    """Return bars of a kind with strokes at medians.
 
-    ends: low, median and high of each.
+    Nominal values are dots. text: of the ends of a band.
     """
-    low, middle, high = np.array(ends).T
-    strokes = np.array([-0.18, 0.18, np.nan]) + rows[:, None]
+    placed = [(row, bar) for row, bar in zip(row_heights(bars), bars, strict=True) if bar.kind == kind]
+    if not placed:
+        return []
+    rows, chosen = np.array([row for row, _ in placed]), [bar for _, bar in placed]
+    low, middle, high = np.array([bar.ends for bar in chosen]).T
+    texts, labels = [text(*bar.ends) for bar in chosen], [bar.label for bar in chosen]
+    strokes, nominal = np.array([-0.18, 0.18, np.nan]) + rows[:, None], [bar.nominal for bar in chosen]
+    dots = [] if np.isnan(nominal).all() else [Line("", np.array(nominal), rows, colour, 0.0, dots=3.6)]
     return [
-        Boxes(name, np.stack([low, high], axis=-1), _across(rows), colour, texts, at, 0.4),
+        Boxes(name, np.stack([low, high], axis=-1), _across(rows), colour, texts, labels, 0.4),
         Line("", np.repeat(middle, 3), strokes.ravel(), colour, 2.2),
+        *dots,
     ]
 
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from postprocess.figures.studies import row_heights, row_plot
 from postprocess.svg import chart
 from postprocess.svg.areas import Boxes, Layer, Span
 from postprocess.svg.chart import Chart
@@ -144,7 +145,7 @@ def draw_outcomes(
     parts: probabilities of each test, upright, on its side, over the wall; published: whether each one is the
     published outcome.
     """
-    rows = np.arange(len(labels), dtype=float)[::-1]
+    rows = row_heights(labels)
     ends = np.concatenate([np.zeros((len(labels), 1)), np.cumsum(parts, axis=1)], axis=1)
     marks = list[Mark]()
     across = rows[:, None] + 0.2 * np.array([-1.0, 1.0])
@@ -157,8 +158,6 @@ def draw_outcomes(
         x += [edges[numbers[0]], edges[numbers[-1] + 1], np.nan]
         y += [row - 0.33, row - 0.33, np.nan]
     marks.append(Line("published outcome", np.array(x), np.array(y), "ink", 2.4, dots=3.4))
-    named = tuple(zip(rows.tolist(), labels, strict=True))
-    axis = chart.Axis("", -0.6, len(labels) - 0.4, named=named)
-    plot = chart.Plot(tuple(marks), axis, 34.0 * len(labels) + 8.0, "y", False)
+    plot = row_plot(labels, marks, 34.0)
     caption = "Probabilities of the outcomes of crash tests, and the published outcome (line below)"
     return chart.Chart("outcomes", caption, (plot,), chart.Axis("probability", 0.0, 1.0), width=chart.FULL)

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from postprocess.svg.marks import Mark, coloured, path
-from postprocess.svg.scales import Floats, Scale
+from postprocess.svg.scales import Floats, Scale, even_rows
 
 SLOWER, MAX_FRAMES, HOLD = 10.0, 101, 0.12
 """Slowdown of an animation, most frames, and fraction of its duration on the last one."""
@@ -21,11 +20,6 @@ MOTION = (
 """Style of a chart with animated marks."""
 
 
-def film_rows(t: Floats) -> NDArray[np.intp]:
-    """Return the rows of the instants that an animation shows, shape (frames,)."""
-    return np.unique(np.linspace(0, len(t) - 1, MAX_FRAMES).astype(int))
-
-
 def animated(elements: str, travel: float, t: Floats) -> str:
     """Return elements with a repeated motion along x by `MOTION`.
 
@@ -33,7 +27,7 @@ def animated(elements: str, travel: float, t: Floats) -> str:
     end, as on paper and for readers who prefer reduced motion. Pages can pause it.
     """
     variables = f"--shift:{travel:.2f}px;--time:{SLOWER * float(np.ptp(t)) / (1.0 - HOLD):.3g}s"
-    steps = f"animation-timing-function:steps({len(film_rows(t)) - 1})"
+    steps = f"animation-timing-function:steps({len(even_rows(t, MAX_FRAMES)) - 1})"
     return f'<g class="moving" style="{variables};{steps}">{elements}</g>'
 
 
@@ -54,7 +48,7 @@ class Moving(Mark):
 
     def draw(self, x: Scale, y: Scale) -> str:
         """Return the chosen instants in a window."""
-        wide, rows = x.end - x.start, film_rows(self.t)
+        wide, rows = x.end - x.start, even_rows(self.t, MAX_FRAMES)
         places = np.stack([x.at(self.x[rows]) - x.start, y.at(self.y[rows]) - y.end], axis=-1)
         places[..., 0] += wide * np.arange(rows.size)[:, None]
         edges = path(np.pad(places, ((0, 0), (0, 1), (0, 0)), constant_values=np.nan).reshape(-1, 2), end="Z")

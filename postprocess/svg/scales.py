@@ -51,6 +51,11 @@ def extent(values: Floats) -> Range:
     return (float(finite.min()), float(finite.max())) if finite.size else NOTHING
 
 
+def even_rows(t: Floats, most: int) -> NDArray[np.intp]:
+    """Return at most so many rows at even steps with both ends."""
+    return np.unique(np.linspace(0, len(t) - 1, most).astype(int))
+
+
 @dataclass(frozen=True)
 class Scale:
     """Map from values to places.

@@ -99,7 +99,6 @@ TABLE_5 = (  # SAE-filtered
     _row("f", 0.16, (500.0, 396.0, 494.0), (0.79, 0.99)),
 )
 RESTITUTIONS = (RESTITUTION, 0.0)  # of the pairs in Tables 4 and 5
-FACTOR_RANGE_PLASTIC = (1.32, 2.78)  # Section 3.2: phi_a of Table 4 for e = 0, "for those test conditions"
 
 # Not in the paper: the test behind row b, MNCBR-1, by the abstract of its report.
 ROW_B_SPEED, ROW_B_ANGLE, ROW_B_GIVEN = 57.4 * MPH, math.radians(15.4), "57.4 mph and 15.4 deg"

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any, Literal
 
 import tailslap
-from postprocess.figures.studies import RatioBar, draw_ratios
+from postprocess.figures.studies import BandBar, draw_ratios
 from postprocess.figures.tipping import draw_outcomes
 from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Page, Section
@@ -245,11 +245,11 @@ def _verdict(row: Row) -> str:
     return "yes" if row.inside else "no"
 
 
-def _bars(rows: Sequence[Row]) -> list[RatioBar]:
+def _bars(rows: Sequence[Row]) -> list[BandBar]:
     """Return the bands of the rows relative to the published values."""
     bars = []
     for row in rows:
         case = row.case.rpartition(":")[0] or row.case
         ends = tuple(value / row.published for value in (row.lower, row.predicted, row.upper))
-        bars.append(RatioBar(f"{case}: {QUANTITIES[row.quantity][0]}", ends, row.inside))
+        bars.append(BandBar(f"{case}: {QUANTITIES[row.quantity][0]}", row.inside, ends))
     return bars

@@ -10,7 +10,7 @@ import pytest
 from shared_cases import case
 
 import tailslap
-from postprocess.figures.positions import SCHEME, SYMBOLS, Unit, draw_set_up
+from postprocess.figures.positions import Unit, draw_set_up
 from postprocess.report.page import page_text
 from postprocess.report.terminal import concluded
 from postprocess.svg.areas import Outline
@@ -229,11 +229,13 @@ def test_the_drawing_is_to_scale():
 def test_the_drawing_takes_symbols_and_several_units():
     at = np.zeros(2), np.ones(2), np.array([0.2, 0.0])
     truck, trailer = Unit(*at, 6.0, 2.0, 3.0), Unit(at[0] - 7.0, at[1] + 1.0, at[2], 6.0, 2.0, 3.0)
-    one, both = (draw_set_up(units, SYMBOLS, SCHEME) for units in ([truck], [truck, trailer]))
+    words = {"length": "L", "width": "B", "angle": "θ", "speed": "v_0", "slide": "s"}
+    words |= {"first": "first touch", "second": "tail-slap"}
+    one, both = (draw_set_up(units, words, "Truck from above") for units in ([truck], [truck, trailer]))
     assert both.svg.count('fill-opacity="0.12"') == 2 * one.svg.count('fill-opacity="0.12"') == 4
     for text in ("θ", "L", "B", "P", "E", "G", "wall", "first touch", "tail-slap"):
         assert f">{text}<" in one.svg, text
-    assert f'aria-label="{SCHEME}"' in one.svg
+    assert 'aria-label="Truck from above"' in one.svg
     assert one.in_units(US).svg.count("<text") == one.svg.count("<text")
 
 

@@ -1,6 +1,5 @@
 """Study `parapet` of the strength over the load."""
 
-from tailslap.case.case import CORNER, WHOLE_IMPACT
 from tailslap.studies.study import Study, later
 
 STUDY = Study(
@@ -10,5 +9,4 @@ STUDY = Study(
     report=later("tailslap.studies.parapet.parapet_study:report"),
     needs_plate=False,
     folder=lambda options: "parapet-study",
-    analyses=(CORNER, WHOLE_IMPACT),
 )
