@@ -168,10 +168,8 @@ def table_3() -> Numbers:
         name: {key: beside(value, getattr(state, key)) for key, value in printed.items()}
         for name, (printed, state) in columns.items()
     }
-    forces = (
-        solver.strike_force(paper.MASS, v, paper.PULSE).peak_force
-        for v in (paper.ANALYTICAL["v_gy"], drag.strike.v_gy)
-    )
+    speeds = paper.ANALYTICAL["v_gy"], drag.strike.v_gy
+    forces = (solver.strike_force(paper.MASS, v, paper.PULSE).peak_force for v in speeds)
     return cells | {
         "reading": reading,
         "slide_at_printed_time": float(none.at(paper.ABAQUS["t"]).slide),
@@ -349,10 +347,8 @@ def corner_fraction(friction: float) -> float:
     The vehicle is a uniform rectangle with its side along the wall. 1/m_eff = 1/m + (L/2) (L/2 + mu B/2)/I with I = m
     (L^2 + B^2)/12.
     """
-    return 1.0 / (
-        1.0
-        + 3.0 * paper.LENGTH * (paper.LENGTH + friction * paper.WIDTH) / (paper.LENGTH**2 + paper.WIDTH**2)
-    )
+    length, width = paper.LENGTH, paper.WIDTH
+    return 1.0 / (1.0 + 3.0 * length * (length + friction * width) / (length**2 + width**2))
 
 
 def impact_motion(stiffness: float, end: float | None = None) -> ImpactMotion:

@@ -115,7 +115,11 @@ def sections(numbers: Numbers, courses: Mapping[str, History]) -> tuple[Section,
             numbers["table_5"], row_b[1], True
         ),
         "Earlier methods. Olson, Hirsch and Ritter (Section 2.1)": earlier_tables(numbers["earlier"]),
-        "Assumptions. Restitution, tensile reaction, effective mass": assumed(numbers),
+        "Assumptions. Restitution, tensile reaction, effective mass": (
+            _restitution_table(numbers),
+            *_impact_tables(numbers["whole_impact"]),
+            _stages_table(numbers),
+        ),
     }
     parts = [Section(title, tables=content) for title, content in tables_by_title.items()]
     curves = [figure(number, name, courses) for number, name in FIGURES.items()]
@@ -337,14 +341,6 @@ def earlier_tables(numbers: Numbers) -> tuple[Table]:
         "kN.",
     )
     return (Table(heads, rows, "Lateral force", notes),)
-
-
-def assumed(numbers: Numbers) -> tuple[Table, ...]:
-    """Return tables of restitution, of the whole impact, and of the stages.
-
-    The whole impact has unilateral contact; the stages have corresponding values.
-    """
-    return _restitution_table(numbers), *_impact_tables(numbers["whole_impact"]), _stages_table(numbers)
 
 
 def _restitution_table(numbers: Numbers) -> Table:
