@@ -11,7 +11,7 @@ import math
 import queue
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from dataclasses import dataclass
 from itertools import accumulate
@@ -143,13 +143,13 @@ def study(
 def run_study(
     place: Path,
     definition: Mapping[str, object],
-    groups: Sequence[Group],
+    group: Group,
     workers: int | None = None,
     expected: Mapping[str, float] = MappingProxyType({}),
-) -> list[Results]:
-    """Return the results of each group of parts by key."""
+) -> Results:
+    """Return the results of a group of parts by key."""
     with study(place, definition, workers, expected) as results:
-        return [results(group) for group in groups]
+        return results(group)
 
 
 def _died(key: Key) -> NoReturn:

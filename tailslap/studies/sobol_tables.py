@@ -1,11 +1,16 @@
 """Columns and texts of Sobol indices in reports."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from postprocess.report.tables import Column
+from tailslap.campaign.input_ranges import Range
+from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import GROUPS
+
+INPUTS = (Column("key", "Input"), Column("range", "Range", form=str), Column("origin", "Source"))
+"""Columns of `input_rows`."""
 
 INTERVAL = "95 %"
 """Heading of the intervals of indices."""
@@ -16,6 +21,17 @@ INDEX_METHOD = (
     "upper limits include one further sample with the largest change due to any input."
 )
 """Explanation of the indices."""
+
+
+def input_rows(ranges: Iterable[Range], sources: Sequence[Record]) -> list[Record]:
+    """Return inputs with their indices, largest first.
+
+    sources: rows of `sampling.index_rows`. Without any the inputs have ranges alone, in their order.
+    """
+    words = [(item, *item.in_words()) for item in ranges]
+    rows = {i.key: {"key": i.key, "range": r, "origin": i.origin, "value": value} for i, r, value in words}
+    ordered = sorted(sources, key=lambda row: -row["total"])
+    return [rows[row["key"]] | row for row in ordered] or [*rows.values()]
 
 
 def index_column(key: str, label: str, form: str = ".3f", group: str = "") -> Column:

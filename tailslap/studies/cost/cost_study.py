@@ -100,7 +100,7 @@ def compute(case: Any, place: Path) -> CostResult:
     definition = {"study": "cost", "scene": case.scene.model_dump(), "settings": [s.key for s in todo]}
     parts = {s.key: ((varied if impact or s.soft else case).source, s) for s in todo}
     # One by one, since they are timed.
-    (records,) = engine.run_study(place, definition, [(measure, parts, f"{len(todo)} settings")], workers=1)
+    records = engine.run_study(place, definition, (measure, parts, f"{len(todo)} settings"), workers=1)
     seconds = time.perf_counter() - began
     if not impact:
         return corner_result(case, todo, records, shown(changes), varied.tail_slap)._replace(seconds=seconds)

@@ -100,7 +100,7 @@ def compute(
     parts = {key: (base, changes, verify) for key, changes in cells.items()}
     expected = {} if count else expected_seconds(case, base, cells)
     group = judge, parts, f"{len(cells)} cells"
-    (verdicts,) = engine.run_study(place, definition, [group], workers, expected)
+    verdicts = engine.run_study(place, definition, group, workers, expected)
     rows = {key: places[key] | row for key, row in verdicts.items()}
     return StabilityResult(case, base, axes, settings, kinds, cells, rows, time.perf_counter() - began)
 

@@ -18,17 +18,16 @@ from solver.space import OUTCOMES
 from tailslap.campaign import sampling
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import Array
-from tailslap.case.force_band import PERCENTILES, fraction_in_words
+from tailslap.case.force_band import PERCENTILES, binomial_interval, fraction_in_words
 from tailslap.case.impact.space.answer import LIMIT_COLUMNS, LIMITS
 from tailslap.case.report_parts import design_forces_of, study_page, study_summary
-from tailslap.studies.sobol_tables import INDEX_METHOD, index_columns, main_source, with_intervals
+from tailslap.studies import sobol_tables
 from tailslap.studies.tipping.tipping_study import (
     LEVELS,
     LINE_SAMPLES,
     OUTPUTS,
     WALLS,
     TippingResult,
-    binomial_interval,
     highest_centre,
 )
 from tailslap.validation.outcomes import ALWAYS, OURS, OutcomeRow, scores
@@ -73,7 +72,6 @@ LOADS = (
     *columns({"height": "Height", "length": "Length"}, unit="m", form=".2f"),
     Column("source", "Source", style="soft"),
 )
-INPUTS = (Column("key", "Input"), Column("range", "Range", form=str), Column("origin", "Source"))
 MEANING = (
     "Upright: fraction of the samples, with its 95 % interval due to their number, one-sided for all and none. "
     "Resultant: height of the lateral force at the largest 50 ms mean; length: of the uniform force with the same "
@@ -134,9 +132,8 @@ def headline(result: TippingResult) -> Headline:
     certainty = f"By the number of samples, {result.count}, the wall lies {_between(ends, result)}."
     certainty += _decrease(result)
     if rows := result.sources.get("roll"):
-        certainty += (
-            f" Main source of variance of the roll: {main_source(max(rows, key=lambda row: row['total']))}."
-        )
+        main = max(rows, key=lambda row: row["total"])
+        certainty += f" Main source of variance of the roll: {sobol_tables.main_source(main)}."
     return Headline(f"Roll over the wall: {result.case.subject}", answer, result.case.set_up, certainty)
 
 
@@ -226,33 +223,24 @@ def _wall_charts(result: TippingResult, loads: Mapping[str, DesignForce]) -> lis
     ]
 
 
-def _input_rows(result: TippingResult, name: str) -> list[Record]:
-    """Return inputs with indices of an output, largest first.
-
-    Without indices where these are refused.
-    """
-    spans = {item.key: item.in_words()[0] for item in result.ranges}
-    rows = sorted(result.sources.get(name, ()), key=lambda row: -row["total"])
-    if not rows:
-        return [{"key": item.key, "range": spans[item.key], "origin": item.origin} for item in result.ranges]
-    return [row | {"range": spans[row["key"]]} for row in rows]
-
-
 def _sensitivity(result: TippingResult, name: str) -> Section:
     """Return the section of the indices of an output."""
-    rows, refusal = _input_rows(result, name), result.refusals.get(name, "")
+    rows = sobol_tables.input_rows(result.ranges, result.sources.get(name, ()))
+    refusal = result.refusals.get(name, "")
     title = f"Inputs and sensitivity of {OUTPUTS[name]}"
     if refusal:
-        return Section(title, refusal, tables=(Table(INPUTS, rows),))
+        return Section(title, refusal, tables=(Table(sobol_tables.INPUTS, rows),))
     figure = studies.draw_sensitivity(rows, OUTPUTS[name])
-    return Section(title, "", (figure,), (Table((*INPUTS, *index_columns()), rows),))
+    heads = (*sobol_tables.INPUTS, *sobol_tables.index_columns())
+    return Section(title, "", (figure,), (Table(heads, rows),))
 
 
 def _index_text(result: TippingResult, name: str) -> Table | str:
     """Return the indices of an output for a terminal."""
-    columns = with_intervals((INPUTS[0], *index_columns()))
+    columns = sobol_tables.with_intervals((sobol_tables.INPUTS[0], *sobol_tables.index_columns()))
     title = f"Sobol indices of {OUTPUTS[name]}"
-    return result.refusals.get(name) or Table(columns, _input_rows(result, name), title)
+    rows = sobol_tables.input_rows(result.ranges, result.sources.get(name, ()))
+    return result.refusals.get(name) or Table(columns, rows, title)
 
 
 def _sentences(result: TippingResult) -> list[str]:
@@ -268,7 +256,7 @@ def _sentences(result: TippingResult) -> list[str]:
         "Keys with * are factors of the scene's values of all axles or strips, which vary together. The heights of "
         "strips are at most twice that of the centre of mass.",
         f"Indices: at the scene's wall, of {' and of '.join(OUTPUTS.values())}; a vehicle "
-        f"that does not remain upright has a roll of 90 deg. {INDEX_METHOD}",
+        f"that does not remain upright has a roll of 90 deg. {sobol_tables.INDEX_METHOD}",
         f"{grouped(result.motions)} motions in space with the step of many motions; "
         f"{int((result.answers['outcome'] == 3.0).sum())} of the samples had no result and count as not upright.",
     ]

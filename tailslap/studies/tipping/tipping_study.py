@@ -257,7 +257,7 @@ def _solved(
     definition = {"study": "tipping", "scene": case.scene.model_dump(), "samples": samples, "ranges": ranges}
     together = {name: arguments for parts in groups.values() for name, arguments in parts.items()}
     motions = (space_samples.solve_samples, together, "motions")
-    (results,) = engine.run_study(place, definition, (motions,), workers)
+    results = engine.run_study(place, definition, motions, workers)
     records = {name: {key: results[key] for key in parts} for name, parts in groups.items()}
     tables = {name: {c: _column(of, c) for c in space_samples.COLUMNS} for name, of in records.items()}
     walls = heights["walls"]

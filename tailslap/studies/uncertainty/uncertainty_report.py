@@ -19,25 +19,12 @@ from tailslap.case.force_band import PERCENTILES, central_part
 from tailslap.case.impact.strike_columns import LARGEST, QUANTITIES
 from tailslap.case.report_parts import design_forces_of, short, study_page, study_summary
 from tailslap.scene.write import scene_inputs
-from tailslap.studies.sobol_tables import (
-    INDEX_METHOD,
-    index_column,
-    index_columns,
-    main_source,
-    with_intervals,
-)
+from tailslap.studies import sobol_tables
 from tailslap.studies.uncertainty.uncertainty_study import Spread
 
 BINS = 60
 FILES = "summary.json (results in SI); samples.csv (samples)"
-INPUTS = (
-    Column("key", "Input"),
-    Column("range", "Range", form=str),
-    Column("origin", "Source"),
-    Column("value", "Scene", form=str),
-)
-
-
+SCENE = Column("value", "Scene", form=str)
 LEVELS = (
     Column("name", "Design force", style="whole"),
     Column("force", "Lateral", "N", form="#.4g", style="strong"),
@@ -50,7 +37,7 @@ BANDS = (
     *(Column(f"{p} %", f"{p} %", form=".1f", group="Band", unit_key="unit") for p in PERCENTILES),
     Column("unit", "Unit", is_unit=True),
     Column("source", "Main source of variance"),
-    index_column("total", "Total index", ".2f"),
+    sobol_tables.index_column("total", "Total index", ".2f"),
 )
 SHOWN = {"mean_50ms": "50 ms", "impulse": "impulse", "duration": "duration"}
 """Quantities whose indices are displayed."""
@@ -88,30 +75,21 @@ def _report(
     )
 
 
-def _input_rows(result: Spread) -> list[Record]:
-    """Return the inputs of the scene, with ranges in words."""
-    words = ((item, *item.in_words()) for item in result.ranges)
-    return [{"key": i.key, "range": ends, "origin": i.origin, "value": nominal} for i, ends, nominal in words]
-
-
 def corner_report(result: Spread) -> Report:
     """Return the report on the peak force of a tail-slap."""
-    input_rows = {row["key"]: row for row in _input_rows(result)}
-    inputs = [input_rows[row["key"]] | row for row in result.sources_of("peak_force")]
-    sentences, refusals = _corner_answer(result, inputs), _refusals(result)
+    inputs = sobol_tables.input_rows(result.ranges, result.sources["peak_force"])
+    sentences, refusals = _corner_answer(result), _refusals(result)
     refused = result.refused_sources.get("peak_force", "")
     counts, edges = np.histogram(result.band("peak_force").values, BINS)
     nominal, used = result.nominal["peak_force"], used_keys(result.case.scene)
     keys = [row.key for row in scene_inputs(result.case.scene, result.case.source)]
-    fixed = tuple(key for key in keys if key in used and key not in input_rows)
+    fixed = tuple(key for key in keys if key in used and key not in result.inputs)
     percentiles = list(zip(PERCENTILES, result.band("peak_force").percentiles, strict=True))
     histogram = figures.draw_histogram(edges, counts, percentiles, nominal)
-    table = Table(
-        (*INPUTS, *index_columns()), inputs, notes=("95 % confidence intervals are below the indices.",)
-    )
-    index_charts = [figures.draw_sensitivity(inputs)]
-    if refused:
-        table, index_charts = Table(INPUTS, list(input_rows.values()), notes=(refused,)), []
+    indices = () if refused else sobol_tables.index_columns()
+    note = refused or "95 % confidence intervals are below the indices."
+    table = Table((*sobol_tables.INPUTS, SCENE, *indices), inputs, notes=(note,))
+    index_charts = [] if refused else [figures.draw_sensitivity(inputs)]
     method = _corner_sentences(result, refusals, fixed)
     sections = (
         Section("Distribution", figures=(histogram,), layout="half"),
@@ -121,8 +99,10 @@ def corner_report(result: Spread) -> Report:
         Section("Method", sentences=method, layout="half"),
     )
     title = f"{result.case.scene.name}: Sobol indices of the peak force"
-    indices = refused or Table(with_intervals((INPUTS[0], *index_columns())), inputs, title=title)
-    terminal = indices, refusals, f"Cost:   {result.computed} combinations in {result.seconds:.2f} s"
+    listed = refused or Table(
+        sobol_tables.with_intervals((sobol_tables.INPUTS[0], *indices)), inputs, title=title
+    )
+    terminal = listed, refusals, f"Cost:   {result.computed} combinations in {result.seconds:.2f} s"
     kicker = "Uncertainty of the peak force of the tail-slap, by the rigid-body method"
     distribution = {"of_the_scene": nominal, "histogram": {"edges": edges, "counts": counts}}
     numbers = _corner_summary(result, distribution, fixed)
@@ -145,7 +125,7 @@ def _corner_summary(result: Spread, drawn: Record, held: tuple[str, ...]) -> Rec
     }
 
 
-def _corner_answer(result: Spread, inputs: list[Record]) -> tuple[str, str]:
+def _corner_answer(result: Spread) -> tuple[str, str]:
     """Return answer and certainty on the peak force."""
     band, nominal = result.band("peak_force"), result.nominal["peak_force"]
     low, _, high = band.percentiles
@@ -155,8 +135,10 @@ def _corner_answer(result: Spread, inputs: list[Record]) -> tuple[str, str]:
         f"{force(high)}. The nominal case ({force(nominal)}) exceeds "
         f"{100.0 * band.fraction_below(nominal):.0f} % of the samples."
     )
-    certainty = f"{grouped(result.computed)} samples"
-    certainty += f"; largest part of the variance from {main_source(inputs[0])}." if inputs else "."
+    certainty, sources = f"{grouped(result.computed)} samples", result.sources_of("peak_force")
+    certainty += (
+        f"; largest part of the variance from {sobol_tables.main_source(sources[0])}." if sources else "."
+    )
     return answer, certainty
 
 
@@ -181,7 +163,7 @@ def _corner_sentences(result: Spread, refusals: str, held: tuple[str, ...]) -> l
         "each solved exactly by Stages 1 to 3. Results are reproducible.",
         refusals,
         *([f"Fixed inputs: {', '.join(held)} (varied by --range)."] if held else []),
-        INDEX_METHOD,
+        sobol_tables.INDEX_METHOD,
         "The duration of the triangular force pulse is an input; the rigid-body method does not predict it.",
     ]
 
@@ -248,7 +230,7 @@ def _impact_answer(result: Spread) -> tuple[str, str]:
     )
     certainty = f"{grouped(result.computed)} impacts of the rigid vehicle."
     if sources := result.sources_of(LARGEST):
-        certainty += f" Largest part of the variance from {main_source(sources[0])}."
+        certainty += f" Largest part of the variance from {sobol_tables.main_source(sources[0])}."
     return answer, certainty
 
 
@@ -259,7 +241,7 @@ def _impact_sentences(result: Spread, single: int) -> list[str]:
         f"of the rigid vehicle: {grouped(2 * result.rows)} points of "
         f"{points_in_words(len(result.ranges), result.rows)} "
         f"(seed {SEED}) for the distribution, the others for the indices. Results are reproducible.",
-        INDEX_METHOD,
+        sobol_tables.INDEX_METHOD,
         "Raw and filtered forces are those of the total force on the wall during the strike.",
         "The duration of the strikes follows from mass, crush and friction.",
         "Published forces beside such bands, like with like: `tailslap validate`.",
@@ -287,7 +269,7 @@ def _bands_table(result: Spread, title: str = "") -> Table:
         row: Record = {"strike": strikes, "quantity": label, "unit": unit}
         row |= {"own": result.nominal[name] / scale, **{f"{p} %": value / scale for p, value in ends}}
         rows.append(row | {"source": first["key"], **{k: first[k] for k in ("total", "total_interval")}})
-    return Table(with_intervals(BANDS) if title else BANDS, rows, title)
+    return Table(sobol_tables.with_intervals(BANDS) if title else BANDS, rows, title)
 
 
 def _inputs_table(result: Spread, short: bool = False) -> Table:
@@ -295,23 +277,23 @@ def _inputs_table(result: Spread, short: bool = False) -> Table:
 
     The short table has the second strike only.
     """
-    strikes, inputs = (2,) if short else (1, 2), _input_rows(result)
+    strikes, inputs = (2,) if short else (1, 2), sobol_tables.input_rows(result.ranges, ())
     heads = [
-        index_column(f"strike_{k}.{name}", label, ".2f", "" if short else f"Strike {k}")
+        sobol_tables.index_column(f"strike_{k}.{name}", label, ".2f", "" if short else f"Strike {k}")
         for k in strikes
         for name, label in SHOWN.items()
         if f"strike_{k}.{name}" in result.sources
     ]
     if LARGEST in result.sources:
-        heads.insert(0, index_column(LARGEST, "Largest 50 ms", ".2f"))
+        heads.insert(0, sobol_tables.index_column(LARGEST, "Largest 50 ms", ".2f"))
     for head in heads:
         sources = result.sources[head.key] or [{"total": None, "total_interval": None}] * len(inputs)
         for row, source in zip(inputs, sources, strict=True):
             row |= {head.key: source["total"], f"{head.key}_interval": source["total_interval"]}
     if short:
-        heads = list(with_intervals(heads))
-        return Table((*INPUTS[:2], *heads), inputs, "Inputs and total Sobol indices of strike 2")
-    return Table((*INPUTS, *heads), inputs, notes=(INDEX_NOTE, *_refused_indices(result)))
+        heads = list(sobol_tables.with_intervals(heads))
+        return Table((*sobol_tables.INPUTS[:2], *heads), inputs, "Inputs and total Sobol indices of strike 2")
+    return Table((*sobol_tables.INPUTS, SCENE, *heads), inputs, notes=(INDEX_NOTE, *_refused_indices(result)))
 
 
 def _refused_indices(result: Spread) -> list[str]:
