@@ -645,7 +645,7 @@ def test_curves_stay_below_the_names_of_spans(row):
 
 
 def test_marks_are_drawn_once_for_file_and_page(monkeypatch):
-    """A chart in its own units is itself, unless its caption has measures."""
+    """A chart without measures in its caption is itself in SI."""
     draw = Mock(side_effect=Line.draw)
     monkeypatch.setattr(Line, "draw", lambda *given: draw(*given))
     chart = Chart("c", "Caption", (Plot((Line("y", np.arange(2.0), np.arange(2.0)),)),), Axis("x [m]"))
