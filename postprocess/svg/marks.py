@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from itertools import compress
-from typing import ClassVar, NamedTuple, TypedDict
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -138,14 +138,7 @@ class Name(NamedTuple):
         return not is_beside and abs(self.y - other.y) < SMALL
 
 
-class LineStyle(TypedDict):
-    """Width and dashes of a line."""
-
-    width: float
-    dashes: str
-
-
-def line_style(number: int) -> LineStyle:
+def line_style(number: int) -> dict[str, Any]:
     """Return width and dashes of line `number` of a plot.
 
     Later lines are thinner or dashed, so that they hide none drawn before. Dashes differ between lines, so that they

@@ -199,18 +199,17 @@ def figures() -> Numbers:
     instants: those of the table of the page [s].
     """
     drag = printed_motion()
-    strike = drag.strike
     charts = [
-        (10, "t", "θ = 0", paper.CHART_TIME, strike.t),
+        (10, "t", "θ = 0", paper.CHART_TIME, drag.strike.t),
         (11, "v_gy", f"t = {paper.CHART_TIME} s", paper.CHART_V_GY, float(drag.at(paper.CHART_TIME).v_gy)),
     ]
     at_end = [(number, name) for number, name in FIGURES.items() if name in paper.ANALYTICAL]
-    charts += [(n, name, "θ = 0", paper.ANALYTICAL[name], getattr(strike, name)) for n, name in at_end]
+    charts += [(n, name, "θ = 0", paper.ANALYTICAL[name], getattr(drag.strike, name)) for n, name in at_end]
     readings = [
         {"figure": number, "quantity": name, "where": where, "value": beside(*values)}
         for number, name, where, *values in charts
     ]
-    return {"instants": [*ROUND_TIMES, strike.t], "readings": readings}
+    return {"instants": [*ROUND_TIMES, drag.strike.t], "readings": readings}
 
 
 def course(reaction: str, instants: np.ndarray | None = None) -> dict[str, np.ndarray]:

@@ -77,8 +77,7 @@ def paper_report(numbers: Numbers) -> Report:
     """Report the numbers with the curves of Figures 10 to 14."""
     courses = {name: paper_numbers.course(name) for name in ("drag", "none")}
     parts = sections(numbers, courses)
-    column = numbers["table_3"]["analytical"]
-    off = max(abs(column[name]["difference"]) for name in ("v_gy", "v_gx", "slide"))
+    off = max(abs(numbers["table_3"]["analytical"][name]["difference"]) for name in ("v_gy", "v_gx", "slide"))
     title = "The paper's tables and figures, computed beside printed"
     answer = f"Velocities and slide of Table 3's analytical column are reproduced within {percent_up(off)}."
     headline = Headline(title, answer, f"{paper_values.PAPER}.", DIFFERENCE)
@@ -89,15 +88,14 @@ def paper_report(numbers: Numbers) -> Report:
 
 def summary(numbers: Numbers) -> Numbers:
     """Return the summary in SI, without the curves of the figures."""
-    keys = ("given", "value", "unit")
-    inputs = {item.name: {key: getattr(item, key) for key in keys} for item in paper_values.INPUTS}
-    head = {
+    inputs = paper_values.INPUTS
+    return {
         "version": tailslap.__version__,
         "paper": paper_values.PAPER,
-        "inputs": inputs,
+        "inputs": {i.name: {"given": i.given, "value": i.value, "unit": i.unit} for i in inputs},
         "start": paper_values.START,
+        **numbers,
     }
-    return head | numbers
 
 
 def sections(numbers: Numbers, courses: Mapping[str, History]) -> tuple[Section, ...]:
@@ -122,8 +120,7 @@ def sections(numbers: Numbers, courses: Mapping[str, History]) -> tuple[Section,
         ),
     }
     parts = [Section(title, tables=content) for title, content in tables_by_title.items()]
-    curves = [figure(number, name, courses) for number, name in FIGURES.items()]
-    parts[2] = replace(parts[2], lead=PLOTTED, figures=curves)
+    parts[2] = replace(parts[2], lead=PLOTTED, figures=[figure(*item, courses) for item in FIGURES.items()])
     return tuple(parts)
 
 
