@@ -232,11 +232,19 @@ def test_factors_apply_to_all_axles_and_strips():
     (("--range", "axle.*.spring=2:1"), "axle.*.spring"), (("--range", "axle.*.spring=a:b"), "axle.*.spring"),
     (("--range", "nosuch=1:2"), "nosuch"), (("--fix", "nosuch"), "nosuch"),
     (("--range", "axle.*.spring=1:2", "--fix", "axle.*.spring"), "axle.*.spring"),
+    (("--range", "axle.*.spring=1:2", "--range", "axle.*.spring=1:3"), "two ranges"),
 ])  # fmt: skip
 def test_refused_ranges(options, key, tmp_path, capsys):
     assert cli._status(["study", "tipping", SCENE, "--out", str(tmp_path / "out"), *options]) == 2
     assert key in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_factors_alone_may_vary():
+    keys = [item.key for item in space_samples.space_ranges(case(), (), ())]
+    factors = [key for key in keys if "*" in key]
+    varied = space_samples.space_ranges(case(), (), tuple(key for key in keys if key not in factors))
+    assert [item.key for item in varied] == factors
 
 
 def test_a_planar_scene_is_refused(tmp_path, capsys):
