@@ -12,10 +12,13 @@ import functools
 import hashlib
 import json
 import math
+import os
+import re
 import sqlite3
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from contextlib import closing, suppress
+from operator import itemgetter
 from pathlib import Path
 from types import TracebackType
 from typing import Any, TypeVar
@@ -38,6 +41,10 @@ APPLICATION_ID = 0x7461696C
 """Application number of SQLite files of this program, "tail" in ASCII."""
 SQLITE_HEADER, ID_OFFSET = b"SQLite format 3\0", 68
 """First bytes of an SQLite file, and position of its application number."""
+LOCAL = {"btrfs", "ext2", "ext3", "ext4", "f2fs", "overlay", "tmpfs", "xfs", "zfs"}
+"""File systems on which a write-ahead log is safe. Processes on network file systems have no common memory."""
+MOUNTS, OCTAL = Path("/proc/mounts"), re.compile(rb"\\([0-3][0-7]{2})")
+"""File in which Linux lists the file systems, and its octal code of special characters in paths."""
 PATIENCE_S = 600.0
 """Time to wait for another program that reads the file [s]."""
 NUMBER = "not finite"
@@ -126,8 +133,8 @@ class Records(Mapping[Key, Any]):
 
         Records of another definition are removed, and the others are counted.
         """
-        file = self._file
-        file.execute("PRAGMA journal_mode=DELETE")  # a write-ahead log is unsafe on network file systems
+        file, mode = self._file, "WAL" if _file_system(self._path) in LOCAL else "DELETE"
+        file.execute(f"PRAGMA journal_mode={mode}")
         file.execute("PRAGMA synchronous=FULL")
         if file.execute("PRAGMA integrity_check").fetchone() != ("ok",):
             raise sqlite3.DatabaseError
@@ -295,6 +302,23 @@ def _is_records_file(path: Path) -> bool:
         head = file.read(ID_OFFSET + 4)
         return head.startswith(SQLITE_HEADER) and head[ID_OFFSET:] == APPLICATION_ID.to_bytes(4, "big")
     return False
+
+
+def _file_system(path: Path) -> str:
+    """Return the type of file system of a path, or ""."""
+    path = path.resolve()
+    try:
+        lines = [line.split(b" ") for line in MOUNTS.read_bytes().split(b"\n")]
+    except OSError:
+        return ""
+    mounts = [
+        (os.fsdecode(OCTAL.sub(lambda code: bytes([int(code[1], 8)]), words[1])), words[2].decode())
+        for words in lines
+        if words[2:]
+    ]
+    above = [(len(place), kind) for place, kind in mounts if path.is_relative_to(place)]
+    # Of two mounts at the same place, the later one covers the other.
+    return max(reversed(above), key=itemgetter(0), default=(0, ""))[1]
 
 
 def _seal(*parts: bytes | None) -> str:

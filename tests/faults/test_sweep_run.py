@@ -659,6 +659,27 @@ for run in itertools.count():
 """
 
 
+MOUNTED = {
+    r"proc {0}/proc proc rw 0 0": "", "": "", "masked": "", r"a {0} ext4 rw 0 0": "ext4",
+    "a {0} ext4 rw 0 0\nb {1} nfs4 rw 0 0": "nfs4", "a {0} ext4 rw 0 0\nb {0} cifs rw 0 0": "cifs",
+}  # fmt: skip
+"""Lists of mounts, and the kind of file system of a folder whose name has a space."""
+
+
+@pytest.mark.parametrize("mounts", MOUNTED)
+def test_a_log_beside_the_file_is_kept_on_known_file_systems_alone(tmp_path, monkeypatch, mounts):
+    """Unknown mounts and a masked /proc have the usual journal."""
+    place, listed = tmp_path / "a b", tmp_path / "mounts"
+    place.mkdir()
+    listed.write_text(mounts.format(tmp_path, str(place).replace(" ", r"\040")) + "\n")
+    monkeypatch.setattr(records, "MOUNTS", listed)
+    assert records._file_system(place) == MOUNTED[mounts]
+    for kind, mode in ((MOUNTED[mounts], "wal" if MOUNTED[mounts] == "ext4" else "delete"), ("", "delete")):
+        with contextlib.closing(Records(place / f"{mode}.sqlite", {})) as rows:
+            assert rows._file.execute("PRAGMA journal_mode").fetchone() == (mode,), kind
+        monkeypatch.setattr(records, "MOUNTS", tmp_path / "none")
+
+
 def test_memory_that_cannot_be_read_is_unlimited(monkeypatch, tmp_path):
     def unread():
         raise OSError
