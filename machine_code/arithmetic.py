@@ -70,6 +70,7 @@ NUMPY_NAMES = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "a
 DECLARATIONS = [
     "declare i64 @llvm.fptosi.sat.i64.f64(double)",
     *(f"declare i64 @llvm.{name}.i64(i64, i64)" for name in ("smin", "smax")),
+    "declare double @llvm.arithmetic.fence.f64(double)",
     *(
         f"declare double @llvm.{name}.f64({', '.join(['double'] * count)})"
         for name, count in INTRINSICS.items()
@@ -184,8 +185,21 @@ def unary(code: FunctionText, operator: ast.unaryop, a: Number) -> Number:
     return refuse(f"operator {type(operator).__name__} of {NAMES[a.kind]}")
 
 
-def compare(code: FunctionText, operator: ast.cmpop, a: Number, b: Number) -> Number:
-    """Return the truth of a comparison."""
+def fenced(code: FunctionText, number: Number) -> Number:
+    """Return a float whose origin the compiler does not see.
+
+    LLVM takes min(c, min(x, c)) for min(x, c) where it knows that c is a number; of NaN these are c and NaN.
+    """
+    return code.number(FLOAT, f"call double @llvm.arithmetic.fence.f64(double {number.operand})")
+
+
+def compare(
+    code: FunctionText, operator: ast.cmpop, a: Number, b: Number, of_extreme: bool = False
+) -> Number:
+    """Return the truth of a comparison.
+
+    of_extreme: its choice is fenced; otherwise a constant is.
+    """
     if type(operator) not in COMPARISONS:
         refuse(f"comparison {type(operator).__name__}")
     of_integers, of_floats, compute = COMPARISONS[type(operator)]
@@ -195,6 +209,8 @@ def compare(code: FunctionText, operator: ast.cmpop, a: Number, b: Number) -> Nu
     if kind == FLOAT and not all(number.kind == FLOAT or _is_exact(number) for number in (a, b)):
         refuse("an integer beside a float in a comparison: float(...)")
     a, b = code.converted(a, kind), code.converted(b, kind)
+    if kind == FLOAT and not of_extreme:
+        a, b = (number if number.constant is None else fenced(code, number) for number in (a, b))
     instruction = f"fcmp {of_floats} double" if kind == FLOAT else f"icmp {of_integers} i64"
     return code.number(LOGICAL, f"{instruction} {a.operand}, {b.operand}")
 
@@ -234,11 +250,13 @@ def _extreme(operator: ast.cmpop) -> Function:
         result = numbers[0]
         for later in numbers[1:]:
             common_kind(later, result)
-            holds = compare(code, operator, later, result)
+            holds = compare(code, operator, later, result, of_extreme=True)
             if holds.constant is not None:
                 result = later if holds.constant else result
             else:
                 result = select(code, holds, later, result)
+                if result.kind == FLOAT:
+                    result = fenced(code, result)
         return result
 
     return extreme

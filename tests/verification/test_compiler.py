@@ -450,3 +450,31 @@ def test_an_index_outside_an_array_ends_the_process_if_checked(tmp_path, python,
     process = python("import indexed", cwd=tmp_path, env={"PATH": "", "TAILSLAP_CHECK_INDICES": checks})
     assert process.returncode in ((0,) if printed else (-4, -5))
     assert process.stdout.strip() == printed
+
+
+def least_again(x):
+    """The least of a number and the least of two."""
+    return min(-1.5, min(x, -1.5)), max(2.0, max(x, 2.0))
+
+
+def least_by_expressions(x):
+    """The same as a choice of two values."""
+    least = 1.0 if 1.0 < x else x
+    return least if least < 1.0 else 1.0
+
+
+def least_by_statements(x):
+    """The same as two conditions."""
+    least, result = x, 1.0
+    if 1.0 < least:
+        least = 1.0
+    if least < 1.0:
+        result = least
+    return result
+
+
+@pytest.mark.parametrize("function", [least_again, least_by_expressions, least_by_statements])
+@pytest.mark.parametrize("x", [math.nan, -9.0, 0.5, 7.0, math.inf])
+def test_the_least_with_a_constant_twice_is_that_of_python(function, x):
+    """LLVM drops the second comparison, which matters for NaN."""
+    assert repr(Kernel(function)(x)) == repr(function(x))
