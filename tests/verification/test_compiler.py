@@ -459,14 +459,14 @@ def least_again(x):
 
 def least_by_expressions(x):
     """The same as a choice of two values."""
-    least = 1.0 if 1.0 < x else x
+    least = 1.0 if x > 1.0 else x
     return least if least < 1.0 else 1.0
 
 
 def least_by_statements(x):
     """The same as two conditions."""
     least, result = x, 1.0
-    if 1.0 < least:
+    if least > 1.0:
         least = 1.0
     if least < 1.0:
         result = least
