@@ -129,10 +129,10 @@ def main() -> None:
     for turn in range(options.turns):
         for checkout in checkouts[:: 1 if turn % 2 else -1]:
             rates[checkout].append(measure(checkout, list(options.parts)))
-    mine, others = rates.values()
-    for what in mine[0]:
-        best = max(rate[what] for rate in mine) / max(rate[what] for rate in others)
-        turns = [own[what] / other[what] for own, other in zip(mine, others, strict=True)]
+    here, there = rates.values()
+    for what in here[0]:
+        best = max(turn[what] for turn in here) / max(turn[what] for turn in there)
+        turns = [first[what] / second[what] for first, second in zip(here, there, strict=True)]
         required = REQUIRED[what.split(":")[0]]
         command_line.row(what, required, f"{best:.2f}, turns {command_line.spread(turns, '.2f')}")
 

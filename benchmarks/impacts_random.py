@@ -343,11 +343,13 @@ def tell(mesh: str, records: dict[tuple[int, str], Record], references: Callable
     largest = f"{np.median(passed):.2%}, {max(passed):.2%}"
     row("  largest error stated by one that passes: median, most", "2 %", largest)
     compared = {
-        number: made
+        number: references_made
         for number, record in runs.items()
         if (
-            made := [
-                r for name in references(record) if "values" in (r := records[number, f"reference {name}"])
+            references_made := [
+                reference
+                for name in references(record)
+                if "values" in (reference := records[number, f"reference {name}"])
             ]
         )
     }

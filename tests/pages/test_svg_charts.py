@@ -598,7 +598,7 @@ def test_lines_differ_in_shape_and_hide_none_before(name):
     assert len(lines) > 3
     assert len({line.dashes for line in lines}) == len(lines)
     for number, line in enumerate(lines):
-        assert line.dashes or all(line.width < other.width for other in lines[:number])
+        assert line.dashes or all(line.width < earlier.width for earlier in lines[:number])
 
 
 @pytest.mark.parametrize("name", many_lines())
