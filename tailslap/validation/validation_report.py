@@ -10,7 +10,7 @@ from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table, columns
 from tailslap.arguments import checked_arguments
-from tailslap.case.force_band import CONFIDENCE, PERCENTILES, central_part
+from tailslap.case.force_band import CONFIDENCE, PERCENTILES, Calibration, central_part
 from tailslap.case.report_parts import CALIBRATED, CALIBRATION, footer
 from tailslap.result.result import Result, of_report
 from tailslap.validation import predictions
@@ -179,7 +179,7 @@ def _summary(validation: Validation, scored: Sequence[Score]) -> dict[str, Any]:
         "set": validation.name,
         "rows": [row._asdict() for row in validation.rows],
         "worse": [row.case for row in validation.worse],
-        "calibrations": [*map(vars, validation.calibrations)],
+        "calibration": {one.name: _calibration(one) for one in validation.calibrations},
         "inside": sum(row.inside for row in validation.rows),
         "forces": {"geometric_mean": validation.geometric_mean, "spread": validation.spread}
         | {"count": len(validation.force_ratios)},
@@ -192,6 +192,14 @@ def _summary(validation: Validation, scored: Sequence[Score]) -> dict[str, Any]:
         "not_computed": validation.skipped,
         **{name: getattr(validation, name) for name in ("inputs", "impacts", "seconds")},
     }
+
+
+def _calibration(one: Calibration) -> dict[str, Any] | str:
+    """Return a calibration, or the reason why there is none."""
+    if one.factor is None:
+        return one.sentence
+    held = {"left_out_rows": one.rows_held, "left_out_studies": one.studies_held}
+    return {"factor": one.factor, "rows": one.rows, "studies": one.studies} | held
 
 
 def _scores_in_words(scored: Sequence[Score]) -> str:

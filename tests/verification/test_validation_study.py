@@ -7,6 +7,7 @@ import tailslap
 from solver import space
 from solver.space.vehicle import fleet_of
 from tailslap.campaign import sampling, space_samples
+from tailslap.case.force_band import Calibration
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.space.input import space_input
 from tailslap.scene.vary import Source, vary
@@ -123,12 +124,16 @@ def test_statistics_and_report_by_hand():
         row._replace(case="c", quantity="exit_speed", published=1e5, ratio=1.0, inside=True, plateau=0.8),
     )
     former = (row._replace(ratio=0.4), row._replace(ratio=1.5), rows[2])
-    validation = predictions.Validation("second", rows, (), 10, 1.0, former=former)
+    classes_of = Calibration("trucks", 11, 6, 0.8, 1.3, 1.4, 10, 5), Calibration("cars", 1, 1, 1.3, 1.3)
+    validation = predictions.Validation("second", rows, (), 10, 1.0, former=former, calibrations=classes_of)
     assert validation.geometric_mean == pytest.approx(1.0)
     assert validation.spread == pytest.approx(2.0 ** np.sqrt(2.0))
     assert [row.case for row in validation.independent] == ["a"]
     assert [row.case for row in validation.worse] == ["b"]
     report = validation_report(validation)
+    of_trucks = {"factor": 1.4, "rows": 11, "studies": 6, "left_out_rows": 10, "left_out_studies": 5}
+    assert report.summary["calibration"]["trucks"] == of_trucks
+    assert report.summary["calibration"]["cars"].startswith("inputs alone, not calibrated; ")
     assert report.summary["inside"] == 1
     assert [row["case"] for row in report.summary["rows"]] == ["a", "b", "c"]
     assert "1 of 3" in report.page.headline.answer
