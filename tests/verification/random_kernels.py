@@ -169,7 +169,8 @@ FORMS = {
     "float": "({float} + {float})|({float} - {float})|({float} * 0.5 - {float})|min({float}, {float})|-({float})"
     "|max({float}, {float})|abs({float})|({float} if {truth} else {float})|float({integer})|({float} + {integer})"
     "|{float} / 4.0|{integer} / 4|min({float}, {float}, 3.0)|shift(a, {float})"
-    "|math.copysign({float}, max(-999.0, {float}))|np.floor({float})|law.stiffness if law.part is None else law.part|float(np.sign({float}))"
+    "|math.copysign({float}, max(-999.0, {float}))|np.floor({float})"
+    "|law.stiffness if law.part is None else law.part|float(np.sign({float}))"
     "|(({float} + {float}) - {float})",
     "integer": "({integer} + {integer})|({integer} - {integer})|({integer} * {integer}) % 999|{integer} // {divisor}"
     "|{integer} % {divisor}|(({integer}) % 99 << 2)|({integer} >> 1)|({integer} & {integer})|({integer} or_ {integer})"
