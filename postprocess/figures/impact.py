@@ -149,8 +149,8 @@ def draw_loops(contacts: Mapping[str, tuple[Floats, Floats]]) -> Chart:
     """
     caption = "Force over crush of each contact point; the area of a loop is the dissipated energy"
     places = {label: _cornered(crush * 1e3, force / 1e3) for label, (crush, force) in contacts.items()}
-    others = [label for label in places if corner_colour(label) == OTHER]
-    colours = dict(zip(others, STRIPS * len(others), strict=False))
+    strip_labels = [label for label in places if corner_colour(label) == OTHER]
+    colours = dict(zip(strip_labels, STRIPS * len(strip_labels), strict=False))
     lines = tuple(
         Line(label, *points, colours.get(label, corner_colour(label))) for label, points in places.items()
     )

@@ -160,7 +160,7 @@ def _in_rows(plot: Plot, x: scales.Scale) -> Plot:
     up, names, rows = scales.Scale(0.0, 1.0), list[Name](), list[Mark]()
     for mark in plot.marks:
         if isinstance(mark, Span):
-            while any(name.overlaps(other) for name in mark.names(x, up) for other in names):
+            while any(name.overlaps(set_name) for name in mark.names(x, up) for set_name in names):
                 mark = replace(mark, row=mark.row + 1)
             names += mark.names(x, up)
         rows.append(mark)

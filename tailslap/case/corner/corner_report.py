@@ -371,9 +371,9 @@ def _error(outcome: CornerOutcome) -> str:
     """Describe the terms of the numerical error."""
     error = outcome.error
     if not outcome.companions:
-        wanted = outcome.fe_plan.case.scene.verify.companion
-        why = "no other mesh is available" if wanted and outcome.fe else "the run has no result"
-        why = why if wanted else "verify.companion is false"
+        has_companion = outcome.fe_plan.case.scene.verify.companion
+        why = "no other mesh is available" if has_companion and outcome.fe else "the run has no result"
+        why = why if has_companion else "verify.companion is false"
         return f"The numerical error is not estimated: {why}."
     meshes = " and ".join(companion.mesh for companion in outcome.companions)
     return (

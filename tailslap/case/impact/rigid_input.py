@@ -52,8 +52,8 @@ def above_wall(scene: Scene) -> list[int]:
     """
     top = (scene.wall and scene.wall.height) or math.inf
     above = [n for n, strip in enumerate(scene.strip) if strip.height and min(strip.height) > top]
-    others = {strip.unit for n, strip in enumerate(scene.strip) if n not in above}
-    return [n for n in above if scene.strip[n].unit in others]
+    units_below = {strip.unit for n, strip in enumerate(scene.strip) if n not in above}
+    return [n for n in above if scene.strip[n].unit in units_below]
 
 
 def touching(scene: Scene) -> list[Touching]:
@@ -125,9 +125,9 @@ def _crush_law(scene: Scene, part: Touching, values: Mapping[str, Any]) -> impac
         if strip.height is not None and strip.at[0] == strip.at[1]:
             upright = strip.height[1] - strip.height[0]
             law |= {name: law[name] * upright for name in SCALED if law[name] is not None}
-    given = {name: value for name, value in law.items() if value is not None}
+    stated = {name: value for name, value in law.items() if value is not None}
     try:
-        return impact.CrushLaw(**given)
+        return impact.CrushLaw(**stated)
     except RigidBodyError as error:
         key = part.keys.get(error.key, error.key)
         base = key.partition("@")[0]
