@@ -138,7 +138,7 @@ def scenes(as_json: bool) -> int:
 @click.argument("name", metavar="NAME")
 @options.with_options(options.JSON, options.QUIET)
 def new(name: str, as_json: bool) -> int:
-    """Write NAME.toml, a scene with every key, its meaning and an example."""
+    """Write NAME.toml, a scene with every key and its meaning."""
     path = tailslap.new(name)
     return options.report({"scene": name, "file": str(path)}, f"{path}: see `tailslap check {path}`", as_json)
 
@@ -168,7 +168,7 @@ def explore(name: str, out: Path, headless: bool, as_json: bool) -> int:
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
 @options.with_options(options.JSON, options.QUIET)
 def completion(shell: str, as_json: bool) -> int:
-    """Print the shell script for completion of commands, options, scenes and keys.
+    """Print the script by which a shell completes commands.
 
     For bash, in ~/.bashrc: eval "$(tailslap completion bash)"
     """
@@ -183,7 +183,7 @@ def completion(shell: str, as_json: bool) -> int:
 @click.option("--out", type=options.Folder(), help="Result folder  [default: results/paper]")
 @options.with_options(options.FORCE, options.JSON, options.QUIET)
 def paper(out: Path | None, force: bool, as_json: bool) -> int:
-    """Compare the tables and figures of the paper with computed values."""
+    """Compare tables and figures of the paper with own values."""
     from tailslap.replication.paper_page import PAGE
 
     place = out or default_place("paper", ())
@@ -202,7 +202,7 @@ def paper(out: Path | None, force: bool, as_json: bool) -> int:
 @click.option("--out", type=options.Folder(), help="Result folder  [default: results/validation]")
 @options.with_options(options.FORCE, options.JSON, options.QUIET)
 def validate(ranges: Literal["first", "second"], out: Path | None, force: bool, as_json: bool) -> int:
-    """Compare published forces, durations and speeds with predictions."""
+    """Compare published forces and speeds with predictions."""
     from tailslap.validation.validation_report import PAGE
 
     place = out or default_place("validation", ())

@@ -87,7 +87,7 @@ def run(
 @delivery.takes_a_case
 @options.with_options(options.NO_BAND, *options.PRINTED)
 def rigid(case: Case, no_band: bool, as_json: bool, units: UnitSystem) -> int:
-    """Solve the rigid-body method, or the whole impact of the rigid vehicle."""
+    """Solve the rigid-body method, or a rigid whole impact."""
     if as_json and units == "us":
         raise errors.InputError("--units", units, "--json is always in SI; remove one of the two options")
     return delivery.show(tailslap.rigid(case, units=units, band=not no_band), as_json)
@@ -231,7 +231,7 @@ def check(case: Case, as_json: bool, **arguments: Any) -> int:
 @options.option("--count", type=options.Whole(1, 1000), default=10, help="Number of elastic modes.")
 @options.with_options(options.place_option("-modes"), options.FORCE, *options.WATCHED)
 def modes(case: Case, out: Path | None, force: bool, units: str, as_json: bool, **arguments: Any) -> int:
-    """Compute the natural frequencies and mode shapes of the free plate."""
+    """Compute natural frequencies and mode shapes of the plate."""
     compute = functools.partial(tailslap.modes, case, **arguments)
     return delivery.deliver_case("modes", case, compute, out, as_json, units, force)
 
@@ -259,7 +259,7 @@ def modal(case: Case, as_json: bool, **arguments: Any) -> int:
 @delivery.takes_a_case
 @options.with_options(options.place_option("-parapet"), options.NO_BAND, options.FORCE, *options.WATCHED)
 def parapet(case: Case, out: Path | None, no_band: bool, force: bool, units: str, as_json: bool) -> int:
-    """Compare the strength of the parapet with the force of the impact.
+    """Compare the strength of the parapet with the force.
 
     The flexural strength of [parapet] by AASHTO LRFD A13.3.1 and between proven bounds of limit analysis. Exit status
     1 if there is no proof, or the bounds differ by more than 1 %, 2 % under the load of this impact.

@@ -54,6 +54,13 @@ def demand_narrow(out):
     assert [line for line in out.splitlines() if len(line) > 80] == []
 
 
+@pytest.mark.parametrize("arguments", [("--help",), ("study", "--help")], ids=" ".join)
+def test_every_command_is_listed_with_its_whole_purpose(arguments, said):
+    _, purposes = said(*arguments).split("Commands:\n")
+    assert len(purposes.splitlines()) > 5
+    assert [line for line in purposes.splitlines() if not line.endswith(".") or line.endswith("...")] == []
+
+
 OPENED = (
     ("rigid", "mash-tl4-sut"), ("rigid", "impact-mash-tl1-car"), ("check", "mash-tl4-sut"),
     ("modal", "paper-table-3"), ("modes", "paper-table-3", "--count", "1", "--out", "modes"),

@@ -17,7 +17,7 @@ OPTIONS = (
 
 STUDY = Study(
     name="flexibility",
-    summary="Effect of vehicle flexibility on the results of the rigid-body method, from rigid to soft plates.",
+    summary="Errors of the rigid-body method, from rigid to soft plates.",
     compute=later("tailslap.studies.flexibility.impact_flexibility:compute"),
     report=later("tailslap.studies.flexibility.flexibility_report:report"),
     options=OPTIONS,

@@ -4,7 +4,7 @@ from tailslap.studies.study import Study, later
 
 STUDY = Study(
     name="parapet",
-    summary="Strength of the parapet and force over height and length of the load and its distance from an end.",
+    summary="Strength and force over height, length and place of the load.",
     compute=later("tailslap.studies.parapet.parapet_study:compute"),
     report=later("tailslap.studies.parapet.parapet_study:report"),
     needs_plate=False,

@@ -24,7 +24,7 @@ SEED = click.Option(
 
 STUDY = Study(
     name="stability",
-    summary="Map of stiff and extreme cases with verdicts; exit status 1 for an undetected error.",
+    summary="Map of stiff and extreme cases with verdicts.\n\nExit status 1 for an undetected error.",
     compute=later("tailslap.studies.stability.stability_study:compute"),
     report=later("tailslap.studies.stability.stability_report:report"),
     options=(POINTS, TOLERANCE, RANDOM, SEED, WORKERS),

@@ -10,7 +10,8 @@ SAMPLES = "Minimum number of samples."
 
 STUDY = Study(
     name="tipping",
-    summary="Walls that keep 5, 50 and 95 % of uncertain vehicles upright; force and its height; Sobol indices.",
+    summary="Lowest walls that keep uncertain vehicles upright.\n\n"
+    "Walls for 5, 50 and 95 % of the vehicles, force and its height, Sobol indices.",
     compute=later("tailslap.studies.tipping.tipping_study:compute"),
     report=later("tailslap.studies.tipping.tipping_report:report"),
     needs_plate=False,

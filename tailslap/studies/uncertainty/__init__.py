@@ -16,7 +16,7 @@ OPTIONS = (
 
 STUDY = Study(
     name="uncertainty",
-    summary="Uncertainty of the peak force, or of both strikes of a whole impact, with Sobol indices.",
+    summary="Uncertainty of the force over assumed ranges, Sobol indices.",
     compute=later("tailslap.studies.uncertainty.uncertainty_study:compute"),
     report=later("tailslap.studies.uncertainty.uncertainty_report:report"),
     options=OPTIONS,
