@@ -72,14 +72,16 @@ def press_strips(fleet, i, units, axles, strips, facets, work, h, ahead):
         u, a, points = fleet.strip_unit[k], fleet.strip_axle[k], fleet.strip_points[k]
         b, q = work.bodies[u], work.joints[max(a, 0)]  # unused of a strip of the body
         if returns_nothing(strips[k]):
-            work.pushes[2 * k, col.STOPPED] = work.pushes[2 * k + 1, col.STOPPED] = -1.0
+            for n in range(4):
+                work.pushes[4 * k + n, col.STOPPED] = -1.0
         if b[col.AT + 1] - units[u, col.REACH] <= work.wall[0, 0]:
             centre = axles[a, col.CENTRE] if a >= 0 else np.nan
             of_axle = 1.0 / axles[a, col.AXLE_MASS] if a >= 0 else 0.0
             for side in range(2):
+                row, point = 4 * k + 2 * side, first + side * points
                 touches = _press_strip(
                     strips[k], 2.0 * side - 1.0, centre, b, q, work.wall, facets,
-                    work.memory[first + side * points : first + (side + 1) * points], work.pushes[2 * k + side],
+                    work.memory[point : point + points], work.pushes[row : row + 2],
                     fleet.friction[i], 4.0 / units[u, col.MASS], of_axle, work.bodies[0, col.AT], work.sums, h, ahead,
                 )  # fmt: skip
                 touching = touching or touches
@@ -112,7 +114,7 @@ def _end(strip, at, side, centre, q):
 
 @reordered
 def _press_strip(
-    strip, side, centre, b, q, wall, facets, memories, push, coefficient, mobility, of_axle, origin, sums, h, ahead
+    strip, side, centre, b, q, wall, facets, memories, pushes, coefficient, mobility, of_axle, origin, sums, h, ahead
 ):  # fmt: skip
     """Add the wall forces on a strip.
 
@@ -144,9 +146,11 @@ def _press_strip(
     if early == 0.0:
         rates = _velocities(b, ends, moving)
     law = law_of(strip, memories.shape[0], mobility, of_axle, coefficient, early, h, ahead)
-    press, touches = press_points(law, memories, places, rates, crest, wall, facets)
+    press, over, touches = press_points(law, memories, places, rates, crest, wall, facets)
     if press.presses:
-        _add_press(press, law, b, q, centre, ends, moving, places, push, sums)
+        _add_press(press, law, b, q, centre, ends, moving, places, pushes[0], pushes[0], sums)
+    if over.presses:
+        _add_press(over, law, b, q, centre, ends, moving, places, pushes[1], pushes[0], sums)
     return touches
 
 
@@ -170,10 +174,11 @@ def _velocities(b, ends, moving):
 
 
 @reordered
-def _add_press(press, law, b, q, centre, ends, moving, places, push, sums):
+def _add_press(press, law, b, q, centre, ends, moving, places, push, shown, sums):
     """Add the forces on points to loads and sums.
 
     The normal force of a strip that returns no energy is added apart, because a part of it may be taken away.
+    shown: as of `add_sums`.
     """
     force, normal = press.force, press.normal
     for j in range(8 if law.stops else 0):
@@ -192,7 +197,7 @@ def _add_press(press, law, b, q, centre, ends, moving, places, push, sums):
     added[col.WALL_WORK] = law.h * press.work
     added[col.FRICTION_WORK] = -law.h * press.lost
     if not law.stops:
-        add_sums(push, sums, 1.0)
+        add_sums(push, shown, sums, 1.0)
         return
     rate = 0.0 if np.isnan(centre) else q[col.JOINT_NOW + 1]
     heaving = 0.0 if np.isnan(centre) else q[col.JOINT_NOW]

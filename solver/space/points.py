@@ -111,7 +111,7 @@ def law_of(strip, points, mobility, of_axle, friction, early, h, ahead):
 
 @inlined
 def press_points(law, memories, places, rates, crest, wall, facets):
-    """Return the forces on points, and True if one touches.
+    """Return the forces of the face and of the top, and True if a point touches.
 
     places, rates: of both ends [m], [m/s].
     """
@@ -148,16 +148,17 @@ def press_points(law, memories, places, rates, crest, wall, facets):
         ny, nz = mean_normal(wall, facets, k, z - crest.half, z + crest.half)
         depth = (face - y) * ny
         press = _pressed(press, law, memory, col.FACE, p, depth, weight, ny, nz, places, rates)
+    over = Press(none, none, 0.0, 0.0, 0.0, 0.0, False)
     for n in range(first, last):  # those in part on the top
         p, memory = spacing * (n + 0.5), memories[n]
         _, _, z = between(places, p)
         depth, sunk = _on_top(memory, z, crest)
         if sunk > 0.0:
-            press = _pressed(
-                press, law, memory, col.TOP, p, depth, sunk * crest.upward, 0.0, 1.0, places, rates
+            over = _pressed(
+                over, law, memory, col.TOP, p, depth, sunk * crest.upward, 0.0, 1.0, places, rates
             )
     memories[0, col.RAISED] = 1.0 if raised else 0.0
-    return press, touches
+    return press, over, touches
 
 
 @inlined

@@ -77,9 +77,9 @@ def record(units, axles, axle_unit, work, first, parts, row):
     """
     for j in range(6, 10):
         row[j + 1] = work.before[j] + (0.0 if first else 0.5 * (work.sums[j] - work.before[j]))
-    pushes = row[row.size - work.pushes.shape[0] :]
+    pushes = row[row.size - work.pushes.shape[0] // 2 :]
     for p in range(pushes.size):
-        push = work.pushes[p]
+        push = work.pushes[2 * p]
         end_row(push[col.PUSH :], push[col.BEFORE :], first, parts, pushes[p : p + 1])
     kinetic, gravity, spring, tyre = 0.0, 0.0, 0.0, 0.0
     column = 15

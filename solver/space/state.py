@@ -39,9 +39,10 @@ WIDTHS = 17, 14, 14
 """Numbers of columns of a unit, an axle and a strip."""
 
 PUSH, BEFORE, STOPPED, GAP, CLOSING, NORMAL, RESPONSE, ADDED, PUSHES = 0, 1, 2, 3, 4, 5, 13, 21, 29
-"""First columns of a strip of one side.
+"""First columns of the forces on a strip.
 
-Lateral force summed over the row, and before this step [N]. Of a strip that returns no energy: the part by which its
+Four rows a strip: of the right side by the face and by the top, then of the left side. Lateral force summed over the
+row, and before this step [N], of both in that by the face. Of a strip that returns no energy: the part by which its
 force is reduced, -1 without force; the sum of its points' forces times the velocities that would bring them to their
 deepest positions, and times their velocities into the wall before the step [W]; its normal force on body and axle; the
 accelerations of the body by its force, and the loads on the axle; what it adds to the sums of forces and to both works
@@ -167,7 +168,7 @@ class SpaceWork(NamedTuple):
     """Workspace of one sample.
 
     bodies, shape (units, 79); joints, shape (axles, 29); wall, (facets, 7): from y, z to y, z, normal and dy/dz;
-    memory, (points of both sides, 8); pushes, (strips of both sides, 29); sums, (10,): sums of the row and works;
+    memory, (points of both sides, 8); pushes, (4 strips, 29); sums, (10,): sums of the row and works;
     effect, (6 hinges, 6): accelerations of both units by unit forces; tie, (3 hinges, 3 hinges + 1), flat; windows,
     (rows, 7): means of the rows so far;
     before, (10,): sums before the step; pulls, (2, 3 hinges): forces of hinges summed over the row, and before the step
@@ -194,7 +195,7 @@ def workspace(units: int, axles: int, strips: int, points: int, facets: int, row
     hinges = units - 1
     return SpaceWork(
         np.zeros((units, BODY_STATE)), np.zeros((axles, AXLE_STATE)), np.zeros((facets, 7)),
-        np.zeros((2 * points, 8)), np.zeros((2 * strips, PUSHES)), np.zeros(10), np.zeros((6 * hinges, 6)),
+        np.zeros((2 * points, 8)), np.zeros((4 * strips, PUSHES)), np.zeros(10), np.zeros((6 * hinges, 6)),
         np.zeros(3 * hinges * (3 * hinges + 1)), np.zeros((rows, 7)), np.zeros(10), np.zeros((2, 3 * hinges)),
         np.zeros(ANSWERS), np.zeros(units),
     )  # fmt: skip

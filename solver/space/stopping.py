@@ -3,8 +3,9 @@
 Such a strip is pushed by its loading curve as long as it crushes. Where all other forces press it to the wall, its
 force is then the part that ends the step with its points at their deepest positions, as in the plane
 (`solver.impact.contact`); where they take it off, the force acts until it stops. The step is made with the whole
-force, and the part of it that would push the strip back is taken away: strip by strip by Gauss-Seidel, for the sum of
-the normal velocities of its points, weighted with their forces. The scheme remains of second order.
+force, and the part of it that would push the strip back is taken away: strip by strip, apart for the face and the top,
+by Gauss-Seidel, for the sum of the normal velocities of its points, weighted with their forces. The scheme remains of
+second order.
 """
 
 from machine_code.compiled import inlined, reordered
@@ -30,8 +31,8 @@ def stop_strips(fleet, strips, work, h, again):
     for sweep in range(SWEEPS):
         largest = 0.0
         for k in range(strips.shape[0]):
-            for side in range(2 if returns_nothing(strips[k]) else 0):
-                push = work.pushes[2 * k + side]
+            for n in range(4 if returns_nothing(strips[k]) else 0):
+                push = work.pushes[4 * k + n]
                 if push[col.STOPPED] >= 0.0:
                     u, a = fleet.strip_unit[k], fleet.strip_axle[k]
                     if sweep == 0 and not again:
@@ -87,18 +88,21 @@ def _stop(push, u, a, axle_unit, work, h):
 def add_stopped(strips, work):
     """Add forces and works of these strips to a row."""
     for k in range(strips.shape[0]):
-        for side in range(2 if returns_nothing(strips[k]) else 0):
-            push = work.pushes[2 * k + side]
+        for n in range(4 if returns_nothing(strips[k]) else 0):
+            push = work.pushes[4 * k + n]
             if push[col.STOPPED] >= 0.0:
-                add_sums(push, work.sums, 1.0 - push[col.STOPPED])
+                add_sums(push, work.pushes[4 * k + n - n % 2], work.sums, 1.0 - push[col.STOPPED])
 
 
 @inlined
-def add_sums(push, sums, part):
-    """Add this part of a strip's forces and works to a row."""
+def add_sums(push, shown, sums, part):
+    """Add this part of a strip's forces and works to a row.
+
+    shown: the forces on the strip with the lateral force of the row.
+    """
     for j in range(8):
         sums[j] += part * push[col.ADDED + j]
-    push[col.PUSH] += part * push[col.ADDED + col.LATERAL]
+    shown[col.PUSH] += part * push[col.ADDED + col.LATERAL]
 
 
 @reordered
