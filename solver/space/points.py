@@ -111,8 +111,9 @@ def law_of(strip, points, mobility, of_axle, friction, early, h, ahead):
 
 @inlined
 def press_points(law, memories, places, rates, crest, wall, facets):
-    """Return the forces of the face and of the top, and True if a point touches.
+    """Return the forces of face and top on the points.
 
+    The third value is True if a point touches.
     places, rates: of both ends [m], [m/s].
     """
     none, points = Ends(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), memories.shape[0]

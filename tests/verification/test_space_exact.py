@@ -437,7 +437,10 @@ def test_held_vehicle_is_the_planar_one(initial_force, hardening, restitution, f
 
 @pytest.mark.parametrize("height", [3.0, 0.81, 0.7])
 def test_strips_on_body_and_axle_stop_with_second_order(height):
-    """Energy of a rolling truck without restitution, whose strips also lie on the top of a low wall."""
+    """Energy of a rolling truck without restitution.
+
+    Its strips also lie on the top of a low wall.
+    """
     ahead, wheels = (replace(strip, restitution=0.0) for strip in truck().strips[:2])
     vehicle, errors = replace(truck(), strips=(ahead, wheels)), list[Any]()
     for step in (5e-4, 2.5e-4, 1.25e-4):
