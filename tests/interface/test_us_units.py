@@ -99,35 +99,6 @@ def test_rigid_prints_american_units_and_labels_them(capsys):
         assert metric not in text
 
 
-MEASURES = [
-    (f"a peak of {measure(445e3, 'N', '.0f')}.", "a peak of 445 kN.", "a peak of 100 kip."),
-    (f"from {measure(339, 'kN', 'g', named=False)} to {measure(850, 'kN', 'g')}", "from 339 to 850 kN",
-     "from 76.2 to 191 kip"),
-    (measure(4.5, "m", "g"), "4.5 m", "14.8 ft"),
-    (measure(10000.0, "kg", ".0f"), "10000 kg", "22046 lb"),
-    (measure(25.034, "m/s", ".5g"), "25.034 m/s", "82.133 ft/s"),
-    (measure(20.0, "GPa", "g"), "20 GPa", "2900 ksi"),
-    (measure(2e6, "N/m", ".4g"), "2e+06 N/m", "137 kip/ft"),
-    (measure(-1250.0, "N s", ".3g"), "-1.25 kN s", "-0.281 kip s"),
-    (measure(np.float64(-2), "mm", "g"), "-2 mm", "-0.0787 in."),
-    (measure(np.pi / 12.0, "rad", ".3g"), "15 deg", "15 deg"),
-    (measure(8.0, "Hz", "g"), "8 Hz", "8 Hz"),
-    *[("as `impact.speed = 25 m/s` has it",) * 3],
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("text", "si", "us"), MEASURES)
-def test_measures_are_rendered_in_the_units_of_the_reader(text, si, us):
-    """Values keep their digits, at least three, and other texts are unchanged."""
-    assert (SI.rendered(text), US.rendered(text)) == (si, us)
-
-
-def test_a_measure_is_converted_before_it_is_rounded():
-    """10.4778 kN s are 2.3555 kip s, not 2.3605 from 10.5."""
-    assert US.rendered(measure(10477.8, "N s", ".1f")) == "2.36 kip s"
-    assert US.rendered(measure(10477.8, "N s", ".3f")) == f"{10477.8 / KIP:.5g} kip s"
-
-
 def test_a_report_is_in_american_units_everywhere():
     """Headline, sentences, captions, cells, axes, ticks and values of charts."""
     two, three, force = measure(2.0, "m", "g"), measure(3.0, "m", "g"), measure(445.0, "kN", "g")

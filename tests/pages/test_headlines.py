@@ -177,21 +177,6 @@ def test_a_failed_run_opens_with_check_size_and_remedy(outcome):
     assert corner.CornerReport(demanded).headline.answer.startswith("Failed: agreement with rigid ")
 
 
-@pytest.mark.parametrize(("fraction", "text"), [
-    (2.16e-6, "0.00022 %"), (2e-6, "0.0002 %"), (0.00567, "0.57 %"), (-0.0101, "1.1 %"), (1.0, "100 %"), (0.0, "0 %"),
-    (5.71e-9, "5.8e-07 %"), (float("nan"), "unknown"), (float("inf"), "unknown"),
-])  # fmt: skip
-def test_bounds_are_rounded_up(fraction, text):
-    assert percent_up(fraction) == text
-
-
-@pytest.mark.parametrize(("newtons", "si", "us"), [
-    (653_321.7, "653 kN", "147 kip"), (60_250.0, "60.2 kN", "13.5 kip"), (1_022_000.0, "1022 kN", "229.8 kip"),
-])  # fmt: skip
-def test_forces_have_three_digits(newtons, si, us):
-    assert (SI.rendered(force(newtons)), US.rendered(force(newtons))) == (si, us)
-
-
 def test_the_footer_has_version_date_and_command(tmp_path, capsys):
     words = [
         "modes", "paper-table-3", "--count", "1", "--set", "plate.elements=[8, 2]", "--out",

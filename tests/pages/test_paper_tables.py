@@ -4,19 +4,16 @@ import html
 import json
 import math
 import re
-import subprocess
-import sys
 from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from markupsafe import Markup
 from processes import imported
 from test_postprocess_report import Parsed
 
-from postprocess.report.prose import glued, prose
+from postprocess.report.prose import prose
 from postprocess.report.provenance import CRATE
 from postprocess.report.tables import Column, Table
 from postprocess.report.terminal import printed
@@ -43,13 +40,6 @@ def test_a_difference_is_computed_over_printed_less_one():
     assert [column.text({"cell": cell}) for column in columns] == ["-4.0", "-3.0", "-25.000 %"]
     rounded = paper_page.computed("0", paper_page.scaled(0.5, ".0f"), decimals=1)
     assert [column.text((cell,)) for column in rounded] == ["-6", "-25.0 %"]
-
-
-@pytest.mark.parametrize(
-    ("share", "text"), [(0.0123456, "+1.235 %"), (-0.5, "-50.000 %"), (-1e-9, "0.000 %"), (0.0, "0.000 %")]
-)
-def test_percentages(share, text):
-    assert percent(share, 3) == text
 
 
 def test_every_difference_of_the_answer(review):
@@ -347,18 +337,6 @@ def test_tables_are_rectangular_and_without_empty_or_undefined_words(review):
         assert not {"nan", "inf", "None", "–", "infinite", "number"} & {*words.split()}
 
 
-@pytest.mark.parametrize("width", [60, 80, 100])
-def test_no_line_is_longer_than_the_terminal(review, width, monkeypatch):
-    """Every word is there, in one piece."""
-    monkeypatch.setenv("COLUMNS", str(width))
-    out = printed(paper_page.paper_report(review).terminal)
-    longest = max(len(word) for word in out.split() if "─" not in word)
-    assert max(map(len, out.splitlines())) <= max(width, longest + 11)
-    monkeypatch.setenv("COLUMNS", "100")
-    wide = printed(paper_page.paper_report(review).terminal).split()
-    assert {word for word in wide if "─" not in word} <= {*out.split()}
-
-
 def test_a_terminal_shows_the_tables_whole(review, monkeypatch):
     """A wide terminal neither cuts nor wraps, and keeps markup."""
     monkeypatch.setenv("COLUMNS", "100")
@@ -414,17 +392,6 @@ def test_the_page_holds_every_cell_and_note(parsed):
     assert missing == []
 
 
-def test_the_page_fetches_nothing(parsed):
-    loaded = [attributes for _, attributes, *_ in parsed.elements if "download" not in attributes]
-    references = ("src", "href", "xlink:href")
-    links = {value for attributes in loaded for name, value in attributes.items() if name in references}
-    assert all(link.startswith("#") for link in links)
-    assert {f"#part-{number}" for number in range(1, 8)} <= links
-    ids = [value for _, name, value in parsed.attributes if name == "id"]
-    assert len(ids) == len({*ids})
-    assert {link[1:] for link in links} <= {*ids}
-
-
 def test_the_figures_are_drawn_with_their_marks(folder):
     """Two lines, a legend, and a coloured mark for each printed point."""
     courses = {reaction: paper_numbers.course(reaction) for reaction in ("drag", "none")}
@@ -465,47 +432,6 @@ def test_nothing_heavy_is_imported(tmp_path):
     """jinja2, rich and charts, and no SciPy, mesh, FE or picture library."""
     assert imported("paper", "--json", cwd=tmp_path) == {"jinja2", "rich", "postprocess.svg.chart"}
     assert {path.name for path in (tmp_path / "results" / "paper").iterdir()} == FILES
-
-
-WRONG = [
-    *((("--out", "file"), "--out"), (("--out", "foreign"), "--out"), (("--out", "file/x"), "--out")),
-    *((("--fast",), "--fast"), (("mash-tl4-sut",), "mash-tl4-sut")),
-]
-
-
-@pytest.mark.parametrize(("arguments", "key"), WRONG)
-def test_wrong_input_ends_with_two_and_nothing_written(arguments, key, tmp_path, monkeypatch, capsys):
-    (tmp_path / "file").write_text("mine")
-    (tmp_path / "foreign").mkdir()
-    (tmp_path / "foreign" / "thesis.tex").write_text("mine")
-    before = sorted(tmp_path.rglob("*"))
-    monkeypatch.chdir(tmp_path)
-    assert _status(["paper", *arguments]) == 2
-    out, err = capsys.readouterr()
-    assert (out, sorted(tmp_path.rglob("*"))) == ("", before)
-    assert key in err
-
-
-def test_a_reader_of_the_pipe_may_leave(tmp_path, besides_compiling):
-    command = f"{sys.executable} -m tailslap.cli paper | head -n 1; exit ${{PIPESTATUS[0]}}"
-    process = subprocess.run(["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True)
-    assert (process.returncode, besides_compiling(process.stderr)) == (0, "")
-    assert process.stdout.startswith("Table 1.")
-
-
-def test_an_earlier_result_is_replaced_and_what_was_added_stays(tmp_path):
-    place = tmp_path / "out"
-    assert _status(["paper", "--out", str(place)]) == 0
-    (place / "notes.txt").write_text("mine")
-    assert _status(["paper", "--out", str(place)]) == 0
-    assert {path.name for path in place.iterdir()} == FILES | {"notes.txt"}
-
-
-def test_symbols_in_prose_become_subscripts_and_numbers_keep_their_units():
-    assert glued("v = 3 m/s and 4 %") == "v\u00a0=\u00a03\u00a0m/s and 4\u00a0%"
-    assert prose("v_GY < 1 & θ_0") == "<i>v</i><sub>GY</sub> &lt; 1 &amp; <i>θ</i><sub>0</sub>"
-    assert prose("paper_page") == "paper_page"
-    assert (prose("3 <b>"), prose(Markup("3 <b>"))) == ("3 &lt;b&gt;", "3 <b>")
 
 
 def test_headings_over_several_columns():

@@ -27,7 +27,7 @@ from postprocess.report.data_files import write_history, write_summary, write_ta
 from postprocess.report.tables import Column, Table, columns, listed, pairs
 from postprocess.svg.chart import Axis, Chart, Plot, draw_legend
 from postprocess.svg.marks import PALETTE, Line, Swatch
-from postprocess.units import duration, grouped, known, number, percent_up, shown
+from postprocess.units import known, percent_up, shown
 from tailslap.case.corner.corner_report import CornerReport
 from tailslap.case.report_parts import DESIGN
 from tailslap.case.run_report import chosen_sentences
@@ -286,44 +286,6 @@ def test_the_terminal_tells_once_what_was_chosen(outcome):
     assert cause in text
 
 
-def unbroken(name):
-    return f'<span class="whole">{name}</span>'
-
-
-def test_a_unit_in_brackets_stays_in_one_piece():
-    assert prose.glued("peak impulse [10⁻³ kN s] of it") == "peak impulse [10⁻³\xa0kN\xa0s] of it"
-    assert (
-        prose.glued("5 kN s of 2 GPa over 3 N m, N of 4")
-        == "5\xa0kN\xa0s of 2\xa0GPa over 3\xa0N\xa0m, N of 4"
-    )
-
-
-def test_zero_has_no_sign():
-    assert (shown(-0.0, ".3g"), shown(-0.0, "+.1f"), number(-0.0)) == ("0", "+0.0", "0")
-
-
-IN_PRINT = [
-    ("confirmed to 2.2e-06", "confirmed to 2.2×10⁻⁶"),
-    ("at most 1e-03, 1.0e+00, 0.0e+00", "at most 10⁻³, 1.0, 0"),
-    ("-3.27 m/s, +5.1e-04", "−3.27 m/s, +5.1×10⁻⁴"),
-    ("at least 1.18e+01, 5.30e-01, 2e+02", "at least 11.8, 0.530, 200"),
-    ("TL-4, -2, a-b", f"{unbroken('TL-4')}, −2, a-b"),
-    ('= "quad4-reduced"', f"= &#34;{unbroken('quad4-reduced')}&#34;"),
-    ("quad4-reduced: 4", f"{unbroken('quad4-reduced')}: 4"),
-    ("2025-10-11, CFC-180", f"{unbroken('2025-10-11')}, {unbroken('CFC-180')}"),
-    ("omega and mu |N|, start.omega", "ω and μ |N|, start.omega"),
-    ("2 MN/m^2, exp(-3)", "2 MN/m², exp(−3)"),
-    ("m (v sin(theta))^2/2", "m (v sin(θ))²/2"),
-    ("from v_GX", "from <i>v</i><sub>GX</sub>"),
-    ("`omega = -1e-06`", "<code>omega = -1e-06</code>"),
-]
-
-
-@pytest.mark.parametrize(("text", "expected"), IN_PRINT)
-def test_numbers_are_set_as_in_print(text, expected):
-    assert str(prose.prose(text)).replace(prose.NO_BREAK, " ") == expected
-
-
 def test_the_answer_comes_first_and_detail_is_folded(outcome, tmp_path):
     """Set-up, forces and quantities are first, with at most 60 numbers."""
     result = outcome("mash-tl4-sut", "impact.speed=20 m/s")
@@ -358,33 +320,6 @@ def test_a_run_without_a_strike(outcome, tmp_path):
     assert "No tail-slap within the run." in page.text
     for heading in ("FE histories against", "The plate at the tail-slap"):
         assert heading not in page.text
-
-
-PRINTED = [
-    *((number(0.1), "0.1"), (number(7421), "7421"), (number(True), "yes"), (number(None), "–")),
-    *((number("20 x 6"), "20 x 6"), (number(2.0e11), "2e+11"), (number(math.inf), "infinite")),
-    *((number(-math.inf), "-infinite"), (shown(0.1, "#.8g"), "0.10000000")),
-    *((shown(-3.0, "#.8g"), "-3.0000000"), (shown(-1.234e-6, "+.2e"), "-1.23e-06")),
-    *((shown(math.nan, "+.2e"), "not a number"), (shown(None, ".3g"), "–")),
-    *((grouped(1234567), "1 234 567"), (duration(3.2e-5), "32 us"), (duration(0.01234), "12.3 ms")),
-    (duration(12.345), "12.3 s"),
-]
-
-
-@pytest.mark.parametrize(("text", "expected"), PRINTED)
-def test_numbers_as_printed(text, expected):
-    assert text == expected
-
-
-SIGNED = [
-    *(("+1.32e-01", "+0.132"), ("-4.25e-01", "−0.425"), ("9.25e-01", "0.925")),
-    *(("+3.59e-02", "+3.59×10⁻²"), ("1e-3", "10⁻³"), ("+0.0e+00", "0")),
-]
-
-
-@pytest.mark.parametrize(("written", "printed"), SIGNED)
-def test_numbers_in_print_keep_their_sign(written, printed):
-    assert prose.printed_numbers(written) == printed
 
 
 TEMPLATES = Path(__file__).parents[2] / "postprocess" / "templates"
@@ -565,16 +500,6 @@ def test_columns_of_one_form():
         expected,
         "1.00",
     )
-
-
-def test_negligible_numbers_are_zero():
-    text_of = known(".1e", negligible=1e-9)
-    assert [text_of(x) for x in (-9e-10, -2e-9, math.inf)] == ["0", "-2.0e-09", "–"]
-    assert known(".1e")(1e-300) == "1.0e-300"
-
-
-def test_a_time_that_was_not_measured_is_a_dash():
-    assert [duration(x) for x in (0.0, 2e-6, 0.5, 3.0)] == ["–", "2 us", "500 ms", "3 s"]
 
 
 def test_listed_records_keep_every_digit_in_files(tmp_path):

@@ -19,7 +19,7 @@ from postprocess.figures.plates import VERDICTS, MapAxis, draw_map, draw_meaning
 from postprocess.svg.areas import Boxes, Layer, Span
 from postprocess.svg.chart import FULL, Axis, Chart, Plot, framed
 from postprocess.svg.marks import PALETTE, Level, Line, Swatch, Words, text_width
-from postprocess.svg.scales import Scale, Shades, cells_about, fitted, power_text, round_ticks, tick_texts
+from postprocess.svg.scales import Scale, Shades, cells_about, fitted, round_ticks
 from postprocess.units import SI, measure
 from tailslap.scene.read import read_scene
 from tailslap.studies.stability.cell_verdicts import MAP_KINDS as KINDS
@@ -42,26 +42,6 @@ def test_ticks_are_round_and_in_range(low, span):
     np.testing.assert_allclose(np.array(ticks) / step[0], np.round(np.array(ticks) / step[0]), atol=1e-5)
     assert 2 <= len(ticks) <= 7
     assert low - 1e-6 * span <= ticks[0] <= ticks[-1] <= low + (1.0 + 1e-6) * span
-
-
-TICKS = [
-    *(([-0.5, 0.0, 0.5], ["−0.5", "0.0", "0.5"]), ([0.0, 200.0], ["0", "200"])),
-    *(([0.0, 2e-6, 4e-6], ["0", "2×10⁻⁶", "4×10⁻⁶"]), ([0.0, 1e6, 2e6], ["0", "10⁶", "2×10⁶"])),
-    ([23.28, 23.30], ["23.28", "23.30"]),
-]
-
-
-@pytest.mark.parametrize(("ticks", "texts"), TICKS)
-def test_texts_of_ticks(ticks, texts):
-    assert tick_texts(ticks) == texts
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [(1e-7, "10⁻⁷"), (-1e-7, "−10⁻⁷"), (2.5e8, "2.5×10⁸"), (0.02, "0.02"), (-3.0, "−3"), (0.0, "0")],
-)
-def test_powers_of_ten(value, text):
-    assert power_text(value) == text
 
 
 def test_logarithmic_scales():
