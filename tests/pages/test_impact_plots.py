@@ -160,18 +160,6 @@ def test_a_spike_of_the_force_is_drawn():
     assert "CFC 60" not in texts(svg)
 
 
-def test_names_of_close_levels_stand_at_their_lines_and_do_not_overlap():
-    levels = {"a": 340e3, "b": 350e3, "c": 356e3}
-    forces = impact.Forces("force", T, {"raw": 5e5 * np.sin(T)})
-    svg = impact.draw_forces("Force", [forces], (), levels).svg
-    found_names = re.findall(r'data-at="([\d.]+)"><g[^>]*><text x="([\d.]+)" y="([\d.]+)"', svg)
-    at, ends, heights = np.array(found_names, float).T  # from the highest level down
-    assert len(at) == 3
-    assert all(min(abs(heights - at + 3.0)[k], abs(heights - at - 11.0)[k]) < 0.02 for k in range(3))
-    for one, other in ((0, 1), (0, 2), (1, 2)):
-        assert abs(heights[one] - heights[other]) >= 11.0 or abs(ends[one] - ends[other]) > 40.0
-
-
 def test_a_loop_keeps_its_corners():
     """Loading, unloading, reloading and further loading have few points."""
     crush = np.interp(np.linspace(0.0, 4.0, 4001), range(5), [0.0, 0.3, 0.28, 0.3, 0.4])
