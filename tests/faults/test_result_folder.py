@@ -3,7 +3,6 @@
 One command at a time works in it, and files of others remain.
 """
 
-import contextlib
 import errno
 import fcntl
 import hashlib
@@ -28,10 +27,14 @@ from tailslap.storage.manifest import LOCK, LOG, NAME, NEW, Origin, whole_file
 RESULT = {"report.html": "page", "summary.json": "{}", "history.csv": "t\n"}
 
 
+def write(place, texts, **options):
+    with result_folder(place, **options) as new:
+        for name, text in texts.items():
+            (new / name).write_text(text)
+
+
 def fill(place, **more):
-    with result_folder(place) as folder:
-        for name, text in (RESULT | {f"{name}.txt": text for name, text in more.items()}).items():
-            (folder / name).write_text(text)
+    write(place, RESULT | {f"{name}.txt": text for name, text in more.items()})
 
 
 def tree(folder):
@@ -145,17 +148,18 @@ def test_an_added_file_that_the_result_would_overwrite_is_refused_at_the_end(pla
     assert tree(place.parent) == before
 
 
-def forged(**more):
+def forged(has_digest=True, **more):
     item = {"path": "thesis.txt", "size": 1, "sha256": hashlib.sha256(b"x").hexdigest()} | more
     content = {"program": "tailslap", "version": "0.1.0", "files": [item]}
-    return json.dumps(content | {"sha256": manifest._digest(content)})
+    return json.dumps(content | ({"sha256": manifest._digest(content)} if has_digest else {}))
 
 
 FOREIGN = [
     *("", "{", "[]", "null", "[" * 100_000, "\0", '{"program": "tailslap"}', '{"files": []}'),
     *('{"program": "tailslap", "files": {}}', '{"program": "tailslap", "files": [3]}'),
     *(forged(path=path) for path in ("../thesis.txt", "/etc/hostname", "a/../../x", "..", ".", "", "a\0b")),
-    *(forged(path=3), forged(path=NAME), forged(size="1"), forged(sha256=None), forged(sha256="x")),
+    *(forged(has_digest=False), forged(path=3), forged(path=NAME)),
+    *(forged(size="1"), forged(sha256=None), forged(sha256="x")),
 ]
 
 
@@ -246,12 +250,6 @@ def test_a_result_of_more_than_files_is_a_mistake(tmp_path):
 ADDED = {"notes.txt": "mine", "plots/a.txt": "mine too"}
 OLD, NEWER = ({"report.html": text, f"{text}.csv": text, "both.csv": text} for text in ("old", "newer"))
 KILLED = -9
-
-
-def write(place, texts, **options):
-    with result_folder(place, **options) as new:
-        for name, text in texts.items():
-            (new / name).write_text(text)
 
 
 def texts(place):
@@ -373,27 +371,32 @@ def test_new_files_are_on_the_disk_before_the_log_and_moved_before_it_goes(earli
     ]
 
 
-@pytest.mark.parametrize("failure", [OSError(5, "the disk is broken"), KeyboardInterrupt()])
-def test_failure_at_each_step_leaves_the_earlier_result_or_the_new_one(tmp_path, earlier, failure):
-    """A complete new result is announced, and the next command clears remains."""
+def failures(place, earlier, failure, calls=CALLS):
+    """Yield folders in which a write failed at each step, with the error raised."""
     for step in itertools.count(1):
-        place = tmp_path / f"{step}"
-        shutil.copytree(earlier, place)
-
-        failed, caught = [], None
+        folder, failed, caught = place / f"{step}", [], None
+        shutil.copytree(earlier, folder)
 
         def fail():
             failed.append(step)  # noqa: B023
             raise failure
 
         with pytest.MonkeyPatch.context() as patch:
-            break_at(patch, step, fail)
+            break_at(patch, step, fail, calls)
             try:
-                write(place, NEWER)
+                write(folder, NEWER)
             except (InputError, OSError, KeyboardInterrupt) as error:
                 caught = error
         if not failed:
             break
+        yield folder, caught
+    assert step > 40
+
+
+@pytest.mark.parametrize("failure", [OSError(5, "the disk is broken"), KeyboardInterrupt()])
+def test_failure_at_each_step_leaves_the_earlier_result_or_the_new_one(tmp_path, earlier, failure):
+    """A complete new result is announced, and the next command clears remains."""
+    for place, caught in failures(tmp_path, earlier, failure):
         result = seen(place)
         assert result in (OLD, NEWER)
         if isinstance(failure, KeyboardInterrupt):
@@ -405,7 +408,6 @@ def test_failure_at_each_step_leaves_the_earlier_result_or_the_new_one(tmp_path,
             assert announced == (place / LOG).exists() <= (result == NEWER)
         write(place, NEWER)
         assert texts(place) == {**NEWER, **ADDED, NAME: texts(place)[NAME]}
-    assert step > 40
 
 
 @pytest.mark.parametrize("failure", [OSError(5, "the disk is broken"), KeyboardInterrupt()])
@@ -708,36 +710,18 @@ def test_a_file_is_whole_or_the_earlier_one_and_two_writers_follow_each_other(tm
     assert texts(tmp_path) == {"definition.json": "new"}
 
 
+RARE = errno.ENOMEM, errno.ESTALE, errno.ENOSPC, errno.EMFILE
+
+
 @pytest.mark.parametrize(
-    "number",
-    [
-        errno.EACCES,
-        errno.EIO,
-        *(
-            pytest.param(e, marks=pytest.mark.long)
-            for e in (errno.ENOMEM, errno.ESTALE, errno.ENOSPC, errno.EMFILE)
-        ),
-    ],
+    "number", [errno.EACCES, errno.EIO, *(pytest.param(e, marks=pytest.mark.long) for e in RARE)]
 )
 def test_an_error_of_the_system_is_none_of_what_is_absent(tmp_path, earlier, number, monkeypatch):
     """The manifest remains at each call, and the next command succeeds."""
     monkeypatch.setattr(os, "fsync", lambda number: None)
-    for step in itertools.count(1):
-        place, failed = tmp_path / f"{step}", []
-        shutil.copytree(earlier, place)
-
-        def fail():
-            failed.append(1)  # noqa: B023
-            raise OSError(number, os.strerror(number))
-
-        with pytest.MonkeyPatch.context() as patch:
-            break_at(patch, step, fail, (*CALLS, "lstat"))
-            with contextlib.suppress(InputError, OSError):
-                write(place, NEWER)
-        if not failed:
-            break
+    error = OSError(number, os.strerror(number))
+    for place, _ in failures(tmp_path, earlier, error, (*CALLS, "lstat")):
         assert seen(place) in (OLD, NEWER)
         assert LOG not in os.listdir(place) or seen(place) == NEWER
         write(place, NEWER)
         assert seen(place) == NEWER
-    assert step > 40
