@@ -174,11 +174,6 @@ def test_options_of_a_study_have_the_bounds_of_the_command(options, why):
         tailslap.study("uncertainty", "mash-tl4-sut", **options)
 
 
-@pytest.mark.parametrize("change", [("plate.colour", 1), ("vehicle.mass", "9 m")])
-def test_wrong_input_names_its_key(change, refused):
-    assert refused(tailslap.run, "paper-table-3", dict([change])) == change[0]
-
-
 def test_unusual_numbers_are_remarked_upon():
     with pytest.warns(UserWarning, match=r"impact.speed = 56 without a unit is 56 m/s"):
         tailslap.rigid("mash-tl4-sut", {"impact.speed": 56})

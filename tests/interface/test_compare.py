@@ -55,22 +55,6 @@ def test_another_programs_file_is_compared_in_si(result, folder, tmp_path):
     assert comparison.summary["notes"] == []
 
 
-def test_units_may_be_in_the_names_or_in_the_mapping(result, folder, tmp_path):
-    in_names = their_file(tmp_path / "a.csv", result, "Time (ms);VY;VX [mph]\n")
-    mapped = their_file(tmp_path / "b.csv", result, "a;VY;VX\n")
-    one = tailslap.compare(folder, in_names, columns="v_gy=-VY,v_gx=VX")
-    two = tailslap.compare(folder, mapped, columns="time=a [ms],v_gy=-VY,v_gx=VX [mph]")
-    assert one.summary["compared"]["a"] == two.summary["compared"]["b"]
-    assert one.summary["notes"] == ["a.csv: v_gy without a unit, assumed in SI."]
-
-
-def test_a_mapping_is_of_the_files_that_need_it(result, folder, tmp_path):
-    path = their_file(tmp_path / "their.csv", result, "time [ms];VY;VX [mph]\n")
-    comparison = tailslap.compare(folder / "rigid.csv", path, columns="time=time,v_gy=-VY,v_gx=VX")
-    assert comparison.passed
-    assert {*comparison.summary["compared"]["their"]} == {"v_gx", "v_gy"}
-
-
 def test_results_are_compared_by_command_and_function(result, folder, tmp_path, capsys):
     soft = tailslap.run("paper-table-3", {"plate.youngs_modulus": "20 GPa"})
     other = soft.save(tmp_path / "soft", pictures=False)
@@ -93,36 +77,6 @@ def test_beyond_the_limits_the_exit_status_is_one(result, folder, tmp_path):
     assert command(str(folder), str(path), *mapping, "--out", str(tmp_path / "a")) == 1
     only = ("--only", "v_gx")
     assert command(str(folder), str(path), *mapping, *only, "--out", str(tmp_path / "b")) == 0
-
-
-def test_the_table_fits_eighty_columns(folder, tmp_path, capsys):
-    command(str(folder), str(folder / "rigid.csv"), "--out", str(tmp_path / "a"))
-    table = capsys.readouterr().out
-    assert "reaction_tangential" in table
-    assert max(map(len, table.splitlines()[:11])) <= 80
-
-
-@pytest.mark.parametrize(("text", "why"), [
-    ("1,2\n3,4\n5,6\n", "its first line has no column names"), ("t,v_gy\n0,1\n", "fewer than two rows"),
-    ("a,v_gy\n0,1\n1,2\n", "it has no time column"),
-    ("t,v_gy\n1,1\n0,2\n", "line 3: time does not increase from row to row, 0 s after 1 s"),
-    ("t,v_gy\n0,1\n\n,2\n", "line 4: the instant is missing"),
-    ("t;v_gy\n0;1\n1\n", "line 3 is cut short: 1 entries for 2"),
-    ("t,colour\n0,1\n1,2\n", "no column with two values at times in common"),
-    ("t,v_gy [kg]\n0,1\n1,2\n", "allowed is a unit of the dimension of m/s"),
-    ("t;v_gy\n0,0;1,5\n0,1;2,5\n", "the decimal separator is a point"),
-    ("t v_gy\n0 1,5\n1 2,5\n", "the decimal separator is a point"),
-    ("t,v_gy\n0,0,1,5\n0,1,2,5\n", "4 entries for 2 names"),
-    ("t,v_gy,v_gy\n0,1,2\n1,2,3\n", "two columns v_gy"),
-    ("t,x_g [km]\n0,1\n0.1,9e29\n0.2,1\n",
-     r"line 3, column x_g: 9e\+32 in SI; allowed are numbers of at most 1e\+30"),
-    ("t,v_gy\n0,\0\n1,2\n", "neither text in UTF-8"), (f't,v_gy\n0,"{"1" * 200_000}"\n1,2\n', "field larger"),
-])  # fmt: skip
-def test_files_that_are_no_histories_are_refused(text, why, folder, tmp_path):
-    path = tmp_path / "wrong.csv"
-    path.write_text(text)
-    with pytest.raises(InputError, match=why):
-        tailslap.compare(folder, path)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])

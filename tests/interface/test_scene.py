@@ -2,7 +2,6 @@
 
 import json
 import math
-import re
 import warnings
 from operator import attrgetter
 from pathlib import Path
@@ -43,6 +42,7 @@ IN_SI = [
     ("impact.angle=0.26", 0.26), ("plate.youngs_modulus=2 TPa", 2e12),
     ("plate.youngs_modulus=2e5 N/mm^2", 2e11), ("plate.density=7.8 g/cm**3", 7800.0),
     ("start.omega=40 deg/s", math.radians(40.0)), ("strike.duration=100 ms", 0.1),
+    ("plate.youngs_modulus=29000 ksi", 29e6 * 0.45359237 * 9.80665 / 0.0254**2),
 ]  # fmt: skip
 
 
@@ -52,64 +52,9 @@ def test_units_arrive_in_si(change, value):
     assert read(changed(change)) == pytest.approx(value, rel=1e-14)
 
 
-SIZE, UNIT, MASS = "from 1e-06 m to 1e+06 m", "the unit does not fit", "a mass from 1e-06 kg"
-WRONG = {
-    ("vehicle.length", SIZE): ["0"],
-    ("vehicle.width", SIZE): ["-3 m"],
-    ("wall.length", SIZE): ["-1 m"],
-    ("vehicle.length", UNIT): ["3 kg", "3 blub"],
-    ("vehicle.mass", UNIT): ["9979 lbf"],
-    ("impact.test_level", "'H3', 'H4a' or 'H4b'"): ["H4", "h1", "TL4"],
-    ("vehicle.mass", MASS): ["nan", "inf", '"nan kg"', "true"],
-    ("vehicle.mass", "a string with its unit"): ['"9979"'],
-    ("vehicle.width", "the decimal separator is a point"): ["2,4 m", '"2,4"'],
-    ("impact.angle", "of at least 0.0001 deg and below 90 deg"): ["90 deg"],
-    ("impact.angle", "of at least 1.75e-06 rad and below 1.57 rad"): ["15"],
-    ("impact.speed", "from 2.24e-06 mph to 22300 mph"): ["0 mph", "1e5 mph"],
-    ("impact.angle", "a string with its unit"): ['"15"'],
-    ("impact.friction", "from 0 to"): ["-0.1"],
-    ("impact.friction", "a plain number"): ["0.4 m"],
-    ("impact.restitution", "from 0 to 1"): ["1.2"],
-    ("impact.convention", "'paper' or 'newton'"): ["mine"],
-    ("start.omega", "from 1e-09 rad/s"): ["-1"],
-    ("start.angle", "below 90 deg"): ["100 deg"],
-    ("corner.reaction", "'drag', 'none' or 'signed'"): ["push"],
-    ("corner.penalty_scale", "from 1e-06"): ["0"],
-    ("plate.elements", "two whole numbers from 1"): ["[0, 6]", "[20, 6.5]", "[20]"],
-    ("plate.elements", "at most 4000000"): ["[100000, 100000]"],
-    ("plate.poissons_ratio", "to 0.4999"): ["0.5"],
-    ("plate.thicknes", "this key does not exist; allowed are thickness"): ["1"],
-    ("vehicle", "a table"): ["3"],
-    ("time.safety_factor", "to 1"): ["1.1"],
-    ("damping.ratio", "from 1e-09"): ["0"],
-    ("verify.companion", "true or false"): ["1", "maybe"],
-    ("verify.mesh", "below 1"): ["0", "1"],
-    ("name", "letters, digits"): ["../up", "..", ".x", "a/b", "a b", "x" * 81, "3"],
-    ("name", 'no "." in front'): ['"."'],
-    ("name", "1 to 80"): ['""'],
-}
-REFUSED = [(f"{key}={value}", key, allowed) for (key, allowed), values in WRONG.items() for value in values]
-REFUSED += [("vehicle.length", "--set", "KEY=VALUE"), ("=3", "--set", "KEY=VALUE")]
-REFUSED += [("vehicle.length.x=3", "--set", "not a table")]
-REFUSED += [("colour.red=1", "colour", "this key does not exist; allowed are name, vehicle")]
-
-
-@pytest.mark.parametrize(("change", "key", "allowed"), REFUSED)
-def test_wrong_values_are_told_which_key_and_what_is_allowed(change, key, allowed):
-    with pytest.raises(InputError) as caught:
-        changed(change)
-    assert (caught.value.key, str(caught.value).startswith(f"{key}: given ")) == (key, True)
-    assert allowed in caught.value.allowed
-
-
 @pytest.mark.parametrize("name", ["a", "a.b", "v1..2", "-_+", "Müller-3", "x" * 80])
 def test_names_that_can_be_a_folder_s(name):
     assert changed(f"name='{name}'").name == name
-
-
-def test_friction_has_no_meaning_without_friction():
-    with pytest.raises(InputError, match=r"corner\.friction: given 0\.3; this key has no effect"):
-        changed("corner.friction=0.3", scene="paper-abaqus")
 
 
 def test_tables_that_need_each_other(tmp_path, refused):
@@ -129,17 +74,6 @@ def test_tables_that_need_each_other(tmp_path, refused):
         assert refused(read_scene, str(path)) == key
     path.write_text(vehicle + start + "[corner]\nreaction = 'none'\n")
     assert CornerCase(*read_scene(str(path))).stage1 is None
-
-
-def test_all_missing_keys_are_named_at_once(tmp_path):
-    path = tmp_path / "van.toml"
-    path.write_text("[vehicle]\nlength = 5\n[impact]\nspeed = 20\n[plate]\nthickness = 0.04\n")
-    with pytest.raises(InputError) as caught:
-        read_scene(str(path))
-    missing = {"vehicle.mass", "impact.angle", "impact.friction", "impact.restitution"}
-    missing |= {"plate.poissons_ratio", "plate.youngs_modulus"}
-    assert caught.value.key == "vehicle.width"
-    assert set(re.findall(r"[a-z]+\.[a-z_]+", caught.value.allowed)) == missing | {"plate.first_frequency"}
 
 
 def test_a_file_without_a_name_takes_its_own(tmp_path, refused):
@@ -165,12 +99,6 @@ def test_malformed_files(tmp_path, content, message):
     path.write_bytes(content)
     with pytest.raises(InputError, match=message):
         read_scene(str(path))
-
-
-@pytest.mark.parametrize("name", ["nowhere.toml", "paper-table3"])
-def test_scenes_that_are_not_there(name):
-    with pytest.raises(InputError, match="SCENE"):
-        read_scene(name)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
@@ -229,62 +157,14 @@ def test_changes_are_shown_as_they_could_be_given_again():
     assert parse_changes(texts, {"damping": {}}) == changes | {"plate.elements": [10, 3]}
 
 
-IMPOSSIBLE = [
-    ({"plate.thickness": -1.0}, "plate.thickness", SIZE),
-    ({"plate.colour": 1}, "plate.colour", "does not exist"),
-    ({"plate.thickness.x": 1}, "plate.thickness.x", "not a table"),
-    ({"corner.reaction": "none", "corner.friction": 0.1}, "corner.friction", "no effect"),
-    *(({"vehicle.mass": None}, "vehicle.mass", "required"), ({"time.rows": 20.5}, "time.rows", "integer")),
-    # Refused by the theory:
-    ("impact.friction=2", "impact.friction", "cot"),
-    ("impact.restitution=1", "impact.restitution", "never reaches the wall"),
-    *((f"{key}=80 deg", key, "less than") for key in ("impact.angle", "start.angle")),
-    ("corner.friction=4", "corner.friction", "not unique"),
-    ("start.corner_speed=0.01", "start.corner_speed", ""),
-    ("corner.reaction=signed corner.friction=4", "corner.friction", ""),
-]
-
-
-@pytest.mark.parametrize(("changes", "key", "allowed"), IMPOSSIBLE)
-def test_what_makes_no_scene_or_no_motion_is_refused_by_its_key(changes, key, allowed):
-    texts = () if isinstance(changes, dict) else tuple(re.split(r" (?=\w+\.)", changes))
-    with pytest.raises(InputError) as caught:
-        CornerCase(*read_scene(SCENE, texts)) if texts else vary(read_source(SCENE), changes)
-    assert caught.value.key == key
-    assert allowed in caught.value.allowed
-
-
 TRAILER = {"length": "48 ft", "width": 2.6, "mass": 27770, "hitch": "5.6 m", "kingpin": 0.9}
-UNIT_AHEAD = "from 0 to twice the length of the unit ahead, 13.8 m"
 LINEAR = str(Path(__file__).parents[2] / "examples" / "linear-truck.toml")
-OF_TRAINS = [
-    (LINEAR, {"trailer.0.hitch": 13.9}, "trailer.0.hitch", UNIT_AHEAD),
-    (LINEAR, {"trailer.0.kingpin": 15.0}, "trailer.0.kingpin", "to the trailer's length, 14.6304 m"),
-    (LINEAR, {"damping.kind": "elastic-velocity", "damping.rate": 5.0}, "damping.kind", "the hinges"),
-    (LINEAR, {"trailer.0.kingpin": -15.0, "plate": None}, "trailer.0.kingpin", "from -14.6304, a"),
-    (LINEAR, {"trailer.0.mass": 0}, "trailer.0.mass", "a mass from 1e-06 kg"),
-    (LINEAR, {"trailer.0.kingpin": None}, "trailer.0.kingpin", "required"),
-    (LINEAR, {"trailer": [TRAILER] * 8}, "trailer", "allowed are at most 7"),
-    (LINEAR, {"trailer": TRAILER}, "trailer", "a list of tables, [[trailer]]"),
-    (LINEAR, {"trailer.1.mass": 1.0}, "trailer.1.mass", "allowed are 0 to 0"),
-    (LINEAR, {"trailer.0.colour": 1}, "trailer.0.colour", "this key does not exist; allowed are length"),
-    ("mash-tl4-sut", {}, "trailer", "that of one rigid body"),
-]  # fmt: skip
-
-
-def train(scene, changes):
-    return vary(read_source(scene), {"vehicle.length": 6.9, "trailer": [TRAILER], **changes})
-
-
-@pytest.mark.parametrize(("scene", "changes", "key", "allowed"), OF_TRAINS)
-def test_what_makes_no_train_is_refused_by_its_key(scene, changes, key, allowed):
-    with pytest.raises(InputError) as caught:
-        train(scene, changes)
-    assert (caught.value.key, allowed in caught.value.allowed) == (key, True)
 
 
 def test_a_trailer_is_changed_written_and_taken_out_by_its_number(tmp_path):
-    scene, source = train(LINEAR, {"plate": None, "trailer.0.kingpin": -3.0, "trailer.0.mass": "20 klb"})
+    changes = {"plate": None, "vehicle.length": 6.9, "trailer": [TRAILER]}
+    changes |= {"trailer.0.kingpin": -3.0, "trailer.0.mass": "20 klb"}
+    scene, source = vary(read_source(LINEAR), changes)
     (trailer,) = scene.trailer
     sizes = (trailer.length, trailer.mass, trailer.kingpin)
     assert sizes == pytest.approx((14.6304, 9071.8474, -3.0), rel=1e-12)

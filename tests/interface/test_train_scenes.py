@@ -15,7 +15,6 @@ from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.strike_columns import LARGEST, both_strikes
 from tailslap.cli import _status
-from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import Source, vary
 
@@ -164,17 +163,6 @@ def test_occupant_risk_is_that_of_the_tractor(case):
     across = np.sin(heading) * means[0] + np.cos(heading) * means[1]
     rough = np.hypot(ahead / 12.0, across / 9.0).max() / 9.81
     assert asi.value == pytest.approx(rough, rel=0.05)
-
-
-@pytest.mark.parametrize(("changes", "key"), [
-    ({"trailer.0.centre_of_mass": 15.0}, "trailer.0.centre_of_mass"),
-    ({"trailer.0.yaw_inertia": 9e6}, "trailer.0.yaw_inertia"),
-    ({"vehicle.yaw_inertia": 9e6}, "vehicle.yaw_inertia"),
-])  # fmt: skip
-def test_what_no_unit_can_have_is_refused_by_its_key(changes, key):
-    with pytest.raises(InputError) as caught:
-        case_of(*vary(Source(tables=SCENE), changes))
-    assert caught.value.key == key
 
 
 def test_the_set_up_names_and_draws_every_unit(case):

@@ -32,33 +32,6 @@ POUND_FORCE = POUND * 9.80665
 KIP, KSI = 1000.0 * POUND_FORCE, 1000.0 * POUND_FORCE / INCH**2
 
 
-IN_SCENES = [
-    *(("plate.youngs_modulus=29000 ksi", 29000 * KSI), ("plate.youngs_modulus=29e6 psi", 29000 * KSI)),
-    ("plate.youngs_modulus=29000 kip/in^2", 29000 * KSI),
-    ("plate.youngs_modulus=4.176e9 lbf/ft^2", 4.176e9 * POUND_FORCE / FOOT**2),
-    *(("plate.density=490 lb/ft^3", 490 * POUND / FOOT**3), ("plate.thickness=2 in", 2 * INCH)),
-    *(("vehicle.length=32 ft", 32 * FOOT), ("vehicle.mass=22000 lb", 22000 * POUND)),
-    *(("vehicle.mass=22 klb", 22000 * POUND), ("vehicle.mass=683.8 slug", 683.8 * POUND_FORCE / FOOT)),
-    *(("impact.speed=82 ft/s", 82 * FOOT), ("impact.speed=56 mph", 56 * MPH)),
-]
-
-
-@pytest.mark.parametrize(("change", "value"), IN_SCENES)
-def test_scenes_take_american_units(change, value):
-    key = change.partition("=")[0]
-    table, _, name = key.partition(".")
-    scene = read_scene("mash-tl4-sut", (change,))[0]
-    assert getattr(getattr(scene, table), name) == pytest.approx(value, rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    "change", ["plate.youngs_modulus=29000 kip", "vehicle.mass=22 kip", "plate.density=490 lbf/ft^3"]
-)
-def test_a_force_is_no_mass_and_no_stress(change):
-    with pytest.raises(errors.InputError, match="the unit does not fit"):
-        read_scene("mash-tl4-sut", (change,))
-
-
 DEFINITIONS = [
     *(("m", FOOT), ("m/s", FOOT), ("N", KIP), ("N s", KIP), ("J", KIP * FOOT), ("kg", POUND), ("Pa", KSI)),
     *(("mm", 1e3 * INCH), ("kN", KIP / 1e3), ("kg/m^3", POUND / FOOT**3), ("N/m", KIP / FOOT)),

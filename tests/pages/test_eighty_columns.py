@@ -16,7 +16,7 @@ from postprocess.report import terminal
 from postprocess.report.page import Headline
 from postprocess.report.tables import Column, Table
 from postprocess.report.terminal import MORE, labelled, printed, table_lines
-from tailslap import cli, errors
+from tailslap import cli
 from tailslap.scene import read, schema, write
 from tailslap.scene.validate import key_by_key, validate
 
@@ -273,28 +273,6 @@ def test_a_new_scene_is_not_written_over(tmp_path, monkeypatch):
     assert (tmp_path / "my-truck.toml").read_text() == written
     assert cli._status(["new", "../x", "-q"]) == 2
     assert [path.name for path in tmp_path.iterdir()] == ["my-truck.toml"]
-
-
-@pytest.mark.parametrize(("change", "hint"), [
-    ("plate.thicknes=1 mm", "did you mean plate.thickness?"),
-    ("contact.stifness=1 MN/m", "did you mean contact.stiffness?"),
-    ("plate.mass=1 kg", "did you mean vehicle.mass?"), ("pltae.thickness=1 mm", "did you mean plate?"),
-])  # fmt: skip
-def test_did_you_mean(change, hint):
-    with pytest.raises(errors.InputError, match="this key does not exist") as caught:
-        read.read_scene("mash-tl4-sut", (change,))
-    assert hint in str(caught.value)
-
-
-def test_suggestions_have_all_words_given():
-    """The most similar one of the scenes with both words is suggested.
-
-    It is not tl5cmb-2. Units have suggestions as well.
-    """
-    with pytest.raises(errors.InputError, match=r"did you mean impact-mash-tl4-sut\?"):
-        read.read_scene("impact-tl4")
-    with pytest.raises(errors.InputError, match=r'"lbs" is unknown; did you mean lb\?'):
-        read.read_scene("mash-tl4-sut", ("vehicle.mass=22000 lbs",))
 
 
 def test_further_columns_stand_beside_all_words_that_name_a_row():
