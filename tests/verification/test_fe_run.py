@@ -8,9 +8,8 @@ from scipy.interpolate import BarycentricInterpolator
 
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
 from fem.explicit.time_loop import State
-from fem.plate.discretisation import nodal_spin
 from fem.run.corner import Stepper, simulate
-from fem.start import inertia_relief, start_kinds
+from fem.start import inertia_relief
 
 # physics.md section 3, derived in closed form; the solver's own tests hold it to these as well.
 ORACLES = {
@@ -80,13 +79,6 @@ def test_the_strike_is_on_the_cubic_through_the_last_four_steps(plate_model, row
     assert run.strike.velocities == pytest.approx(expected, rel=0.0, abs=1e-11)
 
 
-def test_energy_and_momentum_are_kept(outcome):
-    for change in ("corner.reaction=none", "corner.reaction=drag", "damping.ratio=0.1"):
-        values = {check.name: check.value for check in outcome("paper-table-3", change).checks}
-        assert values["energy balance"] < 1e-9
-        assert values["momentum balance"] < 1e-13
-
-
 def test_damping_takes_energy_out_and_the_ledger_says_how_much(outcome):
     result = outcome("paper-table-3", "damping.ratio=0.2", "plate.start=unstressed", "corner.reaction=none")
     work, vibration = result.fe_history["damping_work"], result.fe_history["vibration_energy"]
@@ -115,18 +107,12 @@ def test_viscous_work_follows_the_trapezoidal_rule(plate_model):
     assert before - after == pytest.approx(0.5 * laws.time_step * sum(powers), rel=1e-10)
 
 
-def test_friction_work_is_the_rigid_one(outcome):
-    result = outcome("paper-table-3")
-    fe, rigid = (history["friction_work"] for history in (result.fe_history, result.rigid_history))
-    assert rigid[-1] < 0.0
-    np.testing.assert_allclose(fe, rigid, atol=1e-4 * abs(rigid[-1]), rtol=0.0)
-
-
 def test_the_whole_history_follows_the_rigid_motion(outcome):
     result = outcome("paper-table-3")
-    for name in ("theta", "omega", "v_gx", "v_gy", "slide", "v_p", "reaction_normal", "reaction_tangential"):
+    names = ("theta", "omega", "v_gx", "v_gy", "slide", "v_p", "reaction_normal", "reaction_tangential")
+    for name in (*names, "friction_work"):
         fe, rigid = result.fe_history[name], result.rigid_history[name]
-        assert np.abs(fe - rigid).max() < 2e-4 * np.abs(rigid).max(), name
+        assert np.abs(fe - rigid).max() < 1e-4 * np.abs(rigid).max(), name
 
 
 @pytest.mark.parametrize(("key", "values", "tolerance"), [
@@ -136,12 +122,6 @@ def test_the_answer_does_not_depend_on_step_and_rows(key, values, tolerance, out
     first, second = (outcome("paper-table-3", f"{key}={value}").fe for value in values)
     for name, value in second.items():
         assert first[name] == pytest.approx(value, rel=tolerance)
-
-
-def test_two_runs_are_equal_to_the_bit(plate_model):
-    first, second = (simulate(plate_model(reaction="drag"), START, 0.384) for _ in range(2))
-    for name, column in first.history.items():
-        np.testing.assert_array_equal(column, second.history[name])
 
 
 def test_a_free_plate_flies_straight_and_turns_evenly(plate_model):
@@ -163,35 +143,6 @@ def test_a_quiet_start_does_not_ring(outcome):
         run = outcome("paper-table-3", f"plate.start={kind}")
         ripples.append(np.abs(run.fe_history["reaction_normal"] - run.rigid_history["reaction_normal"]).max())
     assert ripples[0] < 20.0 < 3000.0 < ripples[1]
-
-
-def test_the_quiet_start_is_in_balance(plate_model):
-    """The first step changes no strain."""
-    model = plate_model(reaction="drag")
-    stepper = Stepper(model)
-    rows = []
-    for kind in ("inertia-relief", "unstressed"):
-        state = stepper.start(START, kind)
-        energies = [stepper.measure(stepper.advance(state, n)).strain_energy for n in (0, 50)]
-        rows.append(energies)
-    assert rows[0][0] > 0.0
-    assert rows[0][1] == pytest.approx(rows[0][0], rel=0.05)
-    assert rows[1][0] < 1e-9 < rows[1][1]
-
-
-def test_the_quiet_start_keeps_spin_angle_and_corner_speed(plate_model):
-    model = plate_model(reaction="drag")
-    row = (s := Stepper(model)).measure(s.start(START, "inertia-relief"))._asdict()
-    # The body is a little longer when stretched: angles and spin hold to the strain squared, not to rounding.
-    assert (row["theta"], row["omega"], row["v_p"]) == pytest.approx((0.26, 0.707, 25.053), rel=1e-9)
-    assert row["slide"] == pytest.approx(0.0, abs=1e-12)
-
-
-def test_nodal_spin_of_a_turning_plate_is_its_angular_velocity(plate_model):
-    model = plate_model()
-    positions, velocities = start_kinds.start_fields(model, START, "unstressed")
-    spin = nodal_spin(model.discretisation.scalar, positions, velocities)
-    np.testing.assert_allclose(spin, 0.707, rtol=1e-12)
 
 
 def test_the_loop_leaves_the_given_state_alone(plate_model):

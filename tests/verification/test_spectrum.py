@@ -56,6 +56,7 @@ def test_bound_is_safe_at_every_angle_and_close(plate_model, elements, scale):
     )
     assert highest <= corner_spectrum.bound <= (1.0 + spectrum.TOLERANCE) * highest
     assert corner_spectrum.frequency == pytest.approx(highest, rel=1e-5)
+    assert model.highest_frequency == pytest.approx(highest, rel=1e-6)
 
 
 @pytest.mark.parametrize("damping", [{"damping_ratio": 0.2}, {"corner": {"damping_ratio": 0.5}}])
