@@ -105,15 +105,10 @@ def advance_thread(t, state, steps, parameters, forces, shared, rows, powers, mo
     first, last = blocks * t // threads * BLOCK_SIZE, min(slots, blocks * (t + 1) // threads * BLOCK_SIZE)
     begin, end = nodes * t // threads, nodes * (t + 1) // threads
     motion = motions[1, t]
-    gradients, weights, lattice, hourglass = (
-        shared.gradients,
-        shared.weights,
-        shared.lattice,
-        shared.hourglass,
-    )
     scratch = Scratch(
-        rows[t], gradients, weights, lattice, motion, hourglass, shared.reference, shared.quadrilateral
-    )
+        rows[t], shared.gradients, shared.weights, shared.lattice, motion, shared.hourglass, shared.reference,
+        shared.quadrilateral, shared.nine_nodes,
+    )  # fmt: skip
     for step in range(steps):
         part[:] = 0.0
         powers[0, t] = subtract_forces_of(
