@@ -11,6 +11,7 @@ import numpy as np
 
 from machine_code.compiled import compact, compiled
 from solver.body import GRAVITY
+from solver.impact.strips import ROUNDING
 from solver.impact.tyres import set_axle_loads
 from solver.space import state as col
 
@@ -232,7 +233,7 @@ def _set_strip(values, fleet, i, k):
     strip, column, u = values.strips[i, k], fleet.strips[i, k], fleet.strip_unit[k]
     unit, (_, place, height) = values.units[i, u], _sprung(values, fleet, i, u)
     x0, x1, z0, z1 = strip[AT], strip[AT + 1], strip[HEIGHT], strip[HEIGHT + 1]
-    if not (min(x0, x1) >= 0.0 and max(x0, x1) <= unit[LENGTH]):
+    if not (min(x0, x1) >= 0.0 and max(x0, x1) <= unit[LENGTH] * (1.0 + ROUNDING)):
         return STRIP_OUTSIDE, unit[LENGTH]
     if not max(z0, z1) <= 3.0 * unit[CENTRE_HEIGHT]:
         return STRIP_HIGH, 3.0 * unit[CENTRE_HEIGHT]

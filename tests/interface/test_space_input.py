@@ -31,6 +31,12 @@ from tailslap.scene.read import read_scene
 SCENE, TRAIN = "impact-tipping-tl4-sut", "examples/train-in-space.toml"
 
 
+def test_a_strip_at_the_rear_may_be_in_other_units():
+    """The length of 393.7007 in is 2 um short of 10 m."""
+    strikes = tailslap.rigid(SCENE, {"vehicle.length": "393.7007 in"}, band=False).summary["strikes"]
+    assert "rear" in {strike["corner"] for strike in strikes}
+
+
 def test_values_that_are_not_finite_are_refused():
     with pytest.raises(RigidBodyError, match=r"body.roll_inertia is nan, but it is not a finite number"):
         solve_space(truck(truck_unit(roll_inertia=math.nan)), SpaceWall(0.9), 25.0, 0.26)
