@@ -14,8 +14,8 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from machine_code.compiled import chosen, compiled
-from machine_code.values import Array, Nothing
+from machine_code.compiled import chosen, compiled, inlined
+from machine_code.values import Array
 
 LEAST_SPEED = 1.0
 """Speed ahead v0 [m/s] below which the slip angle no longer grows as the vehicle slows down."""
@@ -37,83 +37,35 @@ class PointCrush(NamedTuple):
     hardening: Any = None
 
 
-def plateau_excess(
-    plateau: float | None, hardening: float | None, force: float, stiffness: float
-) -> tuple[float, float]:
+@inlined
+def _plateau_excess(crush, force):
     """Return the excess of F0 + k d over the loading curve.
 
-    Force [N] and energy [J]. Compiled code only.
+    Force [N] and energy [J].
     """
-    raise NotImplementedError(type(plateau))
-
-
-@chosen(plateau_excess)
-def _plateau_excess(
-    plateau: object, hardening: object, force: object, stiffness: object
-) -> Callable[..., object]:
-    def none(plateau: object, hardening: object, force: float, stiffness: float) -> tuple[float, float]:
+    if crush.plateau is None:
         return 0.0, 0.0
-
-    def level(plateau: float, hardening: None, force: float, stiffness: float) -> tuple[float, float]:
-        above = max(force - plateau, 0.0)
-        return above, 0.5 * above * above / stiffness if above > 0.0 else 0.0
-
-    def rising(plateau: float, hardening: float, force: float, stiffness: float) -> tuple[float, float]:
-        above = force - plateau
-        if above <= 0.0:
-            return 0.0, 0.0
-        excess = above * (1.0 - hardening / stiffness)
-        return excess, 0.5 * above * excess / stiffness
-
-    if isinstance(plateau, Nothing):
-        return none
-    return level if isinstance(hardening, Nothing) else rising
+    if crush.hardening is None:
+        level = max(force - crush.plateau, 0.0)
+        return level, 0.5 * level * level / crush.stiffness if level > 0.0 else 0.0
+    above = force - crush.plateau
+    if above <= 0.0:
+        return 0.0, 0.0
+    excess = above * (1.0 - crush.hardening / crush.stiffness)
+    return excess, 0.5 * above * excess / crush.stiffness
 
 
-def receded(hardening: float | None, compliance: float, excess: float) -> float:
-    """Return the additional depth of a point [m].
-
-    Its force is less by the excess [N].
-
-    Compiled code only.
-    """
-    raise NotImplementedError(type(hardening))
-
-
-@chosen(receded)
-def _receded(hardening: object, compliance: object, excess: object) -> Callable[..., object]:
-    def level(hardening: None, compliance: float, excess: float) -> float:
-        return compliance * excess
-
-    def rising(hardening: float, compliance: float, excess: float) -> float:
-        return compliance * excess / (1.0 + compliance * hardening) if excess > 0.0 else 0.0
-
-    return level if isinstance(hardening, Nothing) else rising
-
-
-def returned_part(
-    unloading: float | None, returned: float, peak: float, energy: float, deepest: float
-) -> float:
+@inlined
+def _returned_part(crush, peak, energy, deepest):
     """Return the fraction of the energy that unloading recovers.
 
-    peak: force [N], and energy: absorbed [J], at the deepest point [m]. Compiled code only.
+    peak: force [N], and energy: absorbed [J], at the deepest point [m].
     """
-    raise NotImplementedError(type(unloading))
-
-
-@chosen(returned_part)
-def _returned_part(
-    unloading: object, returned: object, peak: object, energy: object, deepest: object
-) -> Callable[..., object]:
-    def by_restitution(unloading: None, returned: float, peak: float, energy: float, deepest: float) -> float:
-        return returned
-
-    def by_slope(unloading: float, returned: float, peak: float, energy: float, deepest: float) -> float:
-        if unloading <= 0.0:
-            return returned
-        return 0.5 * peak * min(peak / unloading, deepest) / energy if energy > 0.0 else 0.0
-
-    return by_restitution if isinstance(unloading, Nothing) else by_slope
+    if crush.unloading is None:
+        return crush.returned
+    if crush.unloading <= 0.0:
+        return crush.returned
+    return 0.5 * peak * min(peak / crush.unloading, deepest) / energy if energy > 0.0 else 0.0
 
 
 def item(values: Any, i: int) -> Any:
@@ -137,9 +89,9 @@ def crush_line(crush, deepest):
     the part of the energy that unloading returns.
     """
     force = crush.initial_force + crush.stiffness * deepest
-    above, saved = plateau_excess(crush.plateau, crush.hardening, force, crush.stiffness)
+    above, saved = _plateau_excess(crush, force)
     peak, energy = force - above, deepest * (crush.initial_force + 0.5 * crush.stiffness * deepest) - saved
-    part = returned_part(crush.unloading, crush.returned, peak, energy, deepest)
+    part = _returned_part(crush, peak, energy, deepest)
     length = 2.0 * part * energy / peak if peak > 0.0 else 0.0
     return peak, energy, length, part
 
@@ -152,16 +104,17 @@ def loading_depth(crush, mean, compliance, part):
     force acts.
     """
     depth = (mean - compliance * part * crush.initial_force) / (1.0 + compliance * crush.stiffness)
-    force = crush.initial_force + crush.stiffness * depth
-    excess = plateau_excess(crush.plateau, crush.hardening, force, crush.stiffness)[0]
-    return depth + receded(crush.hardening, compliance, excess)
+    excess = _plateau_excess(crush, crush.initial_force + crush.stiffness * depth)[0]
+    if crush.hardening is None:
+        return depth + compliance * excess
+    return depth + (compliance * excess / (1.0 + compliance * crush.hardening) if excess > 0.0 else 0.0)
 
 
 @compiled
 def loading_force(crush, depth):
     """Return the force [N] on the loading curve."""
     force = crush.initial_force + crush.stiffness * depth
-    return force - plateau_excess(crush.plateau, crush.hardening, force, crush.stiffness)[0]
+    return force - _plateau_excess(crush, force)[0]
 
 
 @compiled
@@ -193,11 +146,6 @@ def coulomb_force(stopping: float, limit: float) -> float:
     The limit is 0 or more.
     """
     return min(max(stopping, -limit), limit)
-
-
-@chosen(coulomb_force)
-def _coulomb_force(stopping: object, limit: object) -> Callable[..., object]:
-    return coulomb_force
 
 
 @compiled
