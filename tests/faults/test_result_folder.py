@@ -372,7 +372,7 @@ def test_new_files_are_on_the_disk_before_the_log_and_moved_before_it_goes(earli
 
 
 def failures(place, earlier, failure, calls=CALLS):
-    """Yield folders in which a write failed at each step, with the error raised."""
+    """Yield folders in which a write failed, with the error."""
     for step in itertools.count(1):
         folder, failed, caught = place / f"{step}", [], None
         shutil.copytree(earlier, folder)

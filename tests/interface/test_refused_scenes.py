@@ -1,4 +1,4 @@
-"""Verify that wrong scenes are refused by key, with given and allowed values."""
+"""Verify that wrong scenes are refused by their key."""
 
 import math
 import re

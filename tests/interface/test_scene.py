@@ -5,6 +5,7 @@ import math
 import warnings
 from operator import attrgetter
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -157,7 +158,7 @@ def test_changes_are_shown_as_they_could_be_given_again():
     assert parse_changes(texts, {"damping": {}}) == changes | {"plate.elements": [10, 3]}
 
 
-TRAILER = {"length": "48 ft", "width": 2.6, "mass": 27770, "hitch": "5.6 m", "kingpin": 0.9}
+TRAILER: dict[str, Any] = {"length": "48 ft", "width": 2.6, "mass": 27770, "hitch": "5.6 m", "kingpin": 0.9}
 LINEAR = str(Path(__file__).parents[2] / "examples" / "linear-truck.toml")
 
 
