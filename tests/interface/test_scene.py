@@ -158,12 +158,12 @@ def test_changes_are_shown_as_they_could_be_given_again():
     assert parse_changes(texts, {"damping": {}}) == changes | {"plate.elements": [10, 3]}
 
 
-TRAILER: dict[str, Any] = {"length": "48 ft", "width": 2.6, "mass": 27770, "hitch": "5.6 m", "kingpin": 0.9}
+TRAILER = {"length": "48 ft", "width": 2.6, "mass": 27770, "hitch": "5.6 m", "kingpin": 0.9}
 LINEAR = str(Path(__file__).parents[2] / "examples" / "linear-truck.toml")
 
 
 def test_a_trailer_is_changed_written_and_taken_out_by_its_number(tmp_path):
-    changes = {"plate": None, "vehicle.length": 6.9, "trailer": [TRAILER]}
+    changes: dict[str, Any] = {"plate": None, "vehicle.length": 6.9, "trailer": [TRAILER]}
     changes |= {"trailer.0.kingpin": -3.0, "trailer.0.mass": "20 klb"}
     scene, source = vary(read_source(LINEAR), changes)
     (trailer,) = scene.trailer
