@@ -234,14 +234,6 @@ def test_python_and_terminal_end_alike(capsys):
     assert "147 kip" in str(us).rpartition("\n\n")[2]
 
 
-def test_pages_are_in_the_units_of_their_reader(outcome):
-    report = corner.CornerReport(outcome("mash-tl4-sut")).composed(pictures=False)
-    page = report.in_units(US).page
-    assert "147 kip" in page.headline.answer
-    assert "9979 kg vehicle at 56 mph" in page.headline.title
-    assert f"{9.4909 / 0.3048:.3g}" in next(chart.svg for chart in page.charts if chart.name == "set-up")
-
-
 def test_ratios_and_the_other_restitution_are_named(outcome):
     """Columns name the force, rows the convention of the second peak."""
     truck, hit = outcome("mash-tl4-sut"), outcome("impact-mash-tl4-sut")
@@ -294,12 +286,3 @@ def test_without_published_values_the_band_has_no_link(outcome):
     result = outcome("impact-mash-tl1-car")
     of = result.fe_plan.case
     assert "</a></p>" not in page_text(of.report(result, calibrated_band(of)).page(False))
-
-
-def test_headings_name_what_is_drawn(outcome, tmp_path):
-    """A layer has a heading where there is one."""
-    page = impact.ImpactReport(outcome("impact-mash-tl4-sut")).written(tmp_path, False).page
-    assert "Energy and crush" in [section.title for section in page.sections]
-    assert not [chart for chart in page.charts if "along the side" in chart.caption]
-    (caption,) = (chart.caption for chart in page.charts if chart.name == "positions")
-    assert "later ones more opaque" in caption
