@@ -100,17 +100,6 @@ def test_tables_of_changes_are_merged():
     assert merged == named
 
 
-def test_another_scenes_result_is_replaced_by_force_alone(tmp_path):
-    truck, paper = tailslap.rigid("mash-tl4-sut"), tailslap.rigid("paper-table-3")
-    truck.save(tmp_path / "a")
-    again = tailslap.load(truck.save(tmp_path / "a"))
-    assert (again.command, again.summary) == ("rigid", truck.summary)
-    np.testing.assert_array_equal(again.rigid["v_gy"], truck.rigid["v_gy"])
-    with pytest.raises(InputError, match="the folder contains the result of `tailslap rigid mash-tl4-sut`"):
-        paper.save(tmp_path / "a")
-    assert tailslap.load(paper.save(tmp_path / "a", force=True)).scene == "paper-table-3"
-
-
 @pytest.mark.parametrize("scene", ["mash-tl4-sut", "impact-mash-tl4-sut"])
 def test_rigid_has_the_bits_of_the_command(scene, capsys):
     result = tailslap.rigid(scene)
@@ -156,14 +145,6 @@ def test_changes_may_be_texts_as_a_command_takes_them():
     result = tailslap.rigid("mash-tl4-sut", texts[:1], units="us")
     assert result.summary == tailslap.rigid("mash-tl4-sut", {"impact.speed": "50 mph"}).summary
     assert "mph" in result.text
-
-
-def test_a_sweep_has_a_row_a_run(tmp_path):
-    values = {"corner.friction": [0.2, 0.47]}
-    result = tailslap.sweep("paper-table-3", values, folder=tmp_path / "s", workers=1)
-    assert list(result.history["corner.friction"]) == [0.2, 0.47]
-    assert set(result.history["status"]) == {"passed"}
-    assert len(tailslap.load(tmp_path / "s").history["run"]) == 2
 
 
 def test_without_a_folder_a_sweep_writes_nothing(tmp_path, monkeypatch):

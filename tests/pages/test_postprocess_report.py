@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from browser.pages import written
 from PIL import Image
 
 from postprocess.report import page as pages
@@ -193,10 +194,9 @@ def test_the_picture_is_in_the_page_whole(page):
 
 
 def test_a_missing_picture_is_an_error(tmp_path):
-    missing = pages.Section("Pictures", figures=(pages.Picture(tmp_path / "none.png", ""),))
     with pytest.raises(FileNotFoundError):
-        pages.write_page(tmp_path / "report.html", pages.Page("", pages.Headline("s", ""), (missing,), ""))
-    assert not (tmp_path / "report.html").exists()
+        written(tmp_path, pages.Picture(tmp_path / "none.png", ""))
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_table_is_the_same_on_the_terminal_and_in_files(tmp_path):
@@ -422,6 +422,8 @@ def test_paper_cuts_no_column_and_leaves_no_heading_alone():
     paper = css[css.index("@media print") :]
     for rule in (".scroll { overflow: visible; }", "white-space: normal", "size: A4"):
         assert rule in paper
+    for rule in (".whole { white-space: nowrap; }", ".legend { grid-column: 1 / -1; }", "overflow-wrap"):
+        assert rule in css, "names, legends and long words"
     selectors = ", ".join(re.findall(r"^  (.*) \{ break-after: avoid; \}", paper, re.MULTILINE))
     assert {"h2", "h3", "summary", "caption", "thead"} <= set(selectors.split(", "))
     script = (TEMPLATES / "page.js").read_text(encoding="utf-8")
@@ -432,10 +434,8 @@ def test_a_name_that_is_kept_whole_is(tmp_path):
     """TL-4 in the table of design forces."""
     row = dict.fromkeys(column.key for column in DESIGN)
     table = Table(DESIGN, [row | {"name": "AASHTO LRFD, TL-4", "force": 240e3, "ratio": 2.0}])
-    report_page = pages.Page("", pages.Headline("x", ""), (pages.Section("Forces", tables=(table,)),), "")
-    text = pages.write_page(tmp_path / "p.html", report_page).read_text(encoding="utf-8")
+    text = written(tmp_path, tables=(table,)).read_text(encoding="utf-8")
     assert '<th scope="row" class="whole">AASHTO LRFD, <span class="whole">TL-4</span><' in text
-    assert ".whole { white-space: nowrap; }" in text
 
 
 def test_a_table_of_many_columns_is_set_smaller(tmp_path):
@@ -445,28 +445,15 @@ def test_a_table_of_many_columns_is_set_smaller(tmp_path):
         Table(tuple(map(Column, map(str, range(10)), names)), [["1"] * len(names)]) for names in headings
     ]
     assert [table.is_wide for table in tables] == [False, True, False, True]
-    report_page = pages.Page("", pages.Headline("x", ""), (pages.Section("Tables", tables=tables),), "")
-    assert pages.write_page(tmp_path / "p.html", report_page).read_text().count('<table class="dense">') == 2
+    assert written(tmp_path, tables=tables).read_text().count('<table class="dense">') == 2
 
 
 def test_a_legend_of_several_charts_has_a_row_of_its_own(tmp_path):
     """Its letters are as large as those of the charts."""
-    line = Line("", np.arange(2.0), np.arange(2.0))
-    chart = Chart("b", "A chart", (Plot((line,), Axis("y")),), Axis("x"))
-    charts = (draw_legend("a", "What colours mean", (Swatch("right", "green"),)), chart)
-    report_page = pages.Page(
-        "", pages.Headline("x", ""), (pages.Section("Charts", figures=charts, layout="narrow"),), ""
-    )
-    text = pages.write_page(tmp_path / "p.html", report_page).read_text(encoding="utf-8")
+    chart = Chart("b", "A chart", (Plot((Line("", np.arange(2.0), np.arange(2.0)),)),), Axis("x"))
+    legend = draw_legend("a", "What colours mean", (Swatch("right", "green"),))
+    text = written(tmp_path, legend, chart, layout="narrow").read_text(encoding="utf-8")
     assert text.count('<figure class="legend">') == 1
-    assert ".legend { grid-column: 1 / -1; }" in text
-
-
-def test_a_long_word_does_not_widen_the_page(tmp_path):
-    text = pages.write_page(
-        tmp_path / "p.html", pages.Page("", pages.Headline("x" * 200, ""), (), "")
-    ).read_text()
-    assert "overflow-wrap" in text
 
 
 @dataclass(frozen=True)
