@@ -91,19 +91,16 @@ def loopback(folder, workers):
     host = ["--host", "127.0.0.1", "--no-dashboard"]
     settings = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1", "OMP_NUM_THREADS": "1"}
     variables = {"PYTHONPATH": os.pathsep.join(sys.path)}  # it loads this module too
-    environment = os.environ | settings | variables
+    silent: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    silent["env"] = os.environ | settings | variables
     scheduler = [*dask, "scheduler", *host, "--port", "0", "--scheduler-file", str(file)]
-    processes = [
-        subprocess.Popen(scheduler, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    ]
+    processes = [subprocess.Popen(scheduler, **silent)]
     try:
         wait_until(lambda: file.exists() and file.read_text())
         address = json.loads(file.read_text())["address"]
         count = ["--nworkers", str(workers), "--nthreads", "1", "--memory-limit", "0"]
         worker = [*dask, "worker", address, *host, *count, "--local-directory", str(folder)]
-        processes.append(
-            subprocess.Popen(worker, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        )
+        processes.append(subprocess.Popen(worker, **silent))
         yield Loopback(address, processes)
     finally:
         below = [child for process in processes for child in children(process.pid)]
@@ -150,47 +147,29 @@ def undisturbed(scene, cluster, tmp_path_factory):
 
 
 def test_a_small_sweep_by_the_command(scene, tmp_path, capsys):
-    """Rows are those of single runs, and a repetition computes none."""
+    """Rows are those of single runs, and a repetition computes none.
+
+    Inputs, solutions, differences, checks and cost are equal.
+    """
     place, varied = tmp_path / "sweep", ("corner.friction=0.1,0.9",)
     arguments = ["sweep", scene, "--vary", *varied, "--workers", "1", "--out", str(place)]
     assert cli._status(arguments) == 0
     rows, definition = table(place), definition_of(scene, varied)
     runs = [CornerCase(*vary(definition.source, definition.changes_of(n))).run() for n in range(2)]
     for row, outcome in zip(rows, runs, strict=True):
-        values = {name: row[f"fe.{name}"] for name in outcome.fe}
-        assert values == pytest.approx(outcome.fe, rel=1e-9, abs=1e-12)
+        assert row["corner.friction"] == outcome.fe_plan.case.scene.corner_friction
+        for group in ("fe", "rigid", "difference"):
+            values = {name: row[f"{group}.{name}"] for name in outcome.fe}
+            assert values == pytest.approx(getattr(outcome, group), rel=1e-9, abs=1e-12)
+        checks = {check.name.replace(" ", "_").replace("-", "_"): check.value for check in outcome.checks}
+        values = {name[6:]: v for name, v in row.items() if name.startswith("check.") and v is not None}
+        assert values == pytest.approx(checks, rel=1e-6, abs=1e-9)
+        assert (row["status"], row["reason"], row["cost.steps"]) == ("passed", "", outcome.run.steps)
+        assert row["version.tailslap"] == tailslap.__version__
+    assert [row["run"] for row in rows] == [0, 1]
     content = (place / RECORDS).read_bytes()
     capsys.readouterr()
     assert (cli._status(arguments), (place / RECORDS).read_bytes(), table(place)) == (0, content, rows)
-
-
-@pytest.mark.long
-def test_each_row_is_that_of_a_run(undisturbed, scene):
-    """Inputs, solutions, differences, checks and cost equal those of runs."""
-    assert [row["run"] for row in undisturbed] == list(range(RUNS))
-    definition = definition_of(scene)
-    for number in (0, 1, 157):
-        row, case = undisturbed[number], CornerCase(*vary(definition.source, definition.changes_of(number)))
-        outcome = case.run()
-        assert row["plate.youngs_modulus"] == outcome.fe_plan.plate.youngs_modulus
-        assert row["corner.friction"] == outcome.fe_plan.case.scene.corner_friction
-        for group in ("fe", "rigid", "difference"):
-            expected = {name: row[f"{group}.{name}"] for name in outcome.fe}
-            assert expected == pytest.approx(getattr(outcome, group), rel=1e-9, abs=1e-12)
-        values = {check.name.replace(" ", "_").replace("-", "_"): check.value for check in outcome.checks}
-        expected = {name[6:]: v for name, v in row.items() if name.startswith("check.") and v is not None}
-        assert expected == pytest.approx(values, rel=1e-6, abs=1e-9)
-        assert (row["status"], row["reason"], row["cost.steps"]) == ("passed", "", outcome.run.steps)
-        assert row["version.tailslap"] == tailslap.__version__
-
-
-@pytest.mark.long
-def test_a_scene_without_a_name_has_that_of_its_file(tmp_path):
-    """As for a single run."""
-    path = tmp_path / "unnamed.toml"
-    path.write_text(SCENE.removeprefix('name = "small"\n'))
-    definition = definition_of(str(path), ("corner.friction=0.2,0.4",))
-    assert (definition.scene, definition.source.tables["name"], definition.runs) == ("unnamed", "unnamed", 2)
 
 
 def test_what_a_combination_makes_impossible_is_a_refused_row(scene, cluster, tmp_path):
@@ -275,18 +254,6 @@ def test_interrupted_and_resumed(where, scene, cluster, undisturbed, tmp_path):
     assert result.effort.runs == RUNS - len(table_before) > 0
     assert table(place) == undisturbed
     assert perform(definition_of(scene), place, "tcp://nowhere:1").effort.runs == 0
-
-
-def test_ended_while_processes_are_started_it_says_so_alone(scene, tmp_path, proc):
-    """Two processes exist then, and no worker."""
-    varied = ("--vary", "corner.friction=0.1:0.5:40", "--out", str(tmp_path / "sweep"))
-    command = [sys.executable, "-m", "tailslap.cli", "sweep", scene, *varied]
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-    wait_until(lambda: process.poll() is not None or len(children(process.pid)) >= 2)
-    process.terminate()
-    message = process.communicate(timeout=HANG)[1].decode()
-    assert (process.returncode, message) == (130, "tailslap: interrupted; no run is complete\n")
-    assert not (tmp_path / "sweep").exists()
 
 
 PRELOADED = """
@@ -708,11 +675,15 @@ def test_what_was_added_before_a_kill_is_there(tmp_path):
     assert {path} <= set(tmp_path.iterdir()) <= {path, journal}
 
 
-@pytest.mark.parametrize("content", [b"my diary\n", b"", b"\xff\xfe\n", b"SQLite format 3\0" + bytes(4080)])
-def test_records_of_another_kind_are_refused_and_kept(tmp_path, content):
-    (tmp_path / RECORDS).write_bytes(content)
-    refused("not a valid journal", open_records, tmp_path, small_sweep())
-    assert (tmp_path / RECORDS).read_bytes() == content
+def test_records_of_another_kind_or_cut_off_are_refused_and_kept(tmp_path):
+    with open_records(tmp_path, small_sweep()) as rows:
+        rows.add(row(0, text="x" * 10_000))
+    whole = (tmp_path / RECORDS).read_bytes()
+    others = b"my diary\n", b"", b"\xff\xfe\n", b"SQLite format 3\0" + bytes(4080)
+    for content in (*others, whole[:100], whole[: len(whole) // 2]):
+        (tmp_path / RECORDS).write_bytes(content)
+        refused("not a valid journal", open_records, tmp_path, small_sweep())
+        assert (tmp_path / RECORDS).read_bytes() == content
 
 
 def test_records_that_were_damaged_are_made_anew_or_refused_and_never_other_ones(tmp_path):
@@ -742,16 +713,6 @@ def test_records_that_were_damaged_are_made_anew_or_refused_and_never_other_ones
         file.close()
         ends.add(str(len(content)))
     assert ends == {"refused", "0", "2", "3"}
-
-
-def test_records_that_were_cut_off_are_refused_and_kept(tmp_path):
-    with open_records(tmp_path, small_sweep()) as rows:
-        rows.add(row(0, text="x" * 10_000))
-    content = (tmp_path / RECORDS).read_bytes()
-    for length in (100, len(content) // 2):
-        (tmp_path / RECORDS).write_bytes(content[:length])
-        refused("not a valid journal", open_records, tmp_path, small_sweep())
-        assert (tmp_path / RECORDS).read_bytes() == content[:length]
 
 
 def test_the_table_has_what_the_records_have(tmp_path):
@@ -791,15 +752,12 @@ def test_a_folder_is_one_sweep_s(begun):
     refused("other files", result_folder, begun)
     (begun / "summary.json").write_text("{}")
     refused("other files", result_folder, begun)
-    (begun / "sweep.json").write_text("{")
-    refused("damaged", sweep_folder, begun, small_sweep())
-
-
-def test_other_values_by_the_same_words_are_another_sweep(begun):
-    """A new SciPy may draw other samples from the same seed."""
+    # A new SciPy may draw other samples from the same seed.
     definition = json.loads((begun / "sweep.json").read_text())
     (begun / "sweep.json").write_text(json.dumps(definition | {"digest": "0"}))
     refused(r"another sweep \(values differ", sweep_folder, begun, small_sweep())
+    (begun / "sweep.json").write_text("{")
+    refused("damaged", sweep_folder, begun, small_sweep())
 
 
 def test_two_sweeps_in_a_folder_at_once(tmp_path):
