@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -9,6 +10,11 @@ from pathlib import Path
 from typing import Any
 
 CHROMIUM = Path("/usr/bin/chromium")
+NEEDED = ("playwright", "axe_playwright_python", "pypdf")
+MISSING = [name for name in NEEDED if importlib.util.find_spec(name) is None]
+MISSING += [] if CHROMIUM.exists() else [str(CHROMIUM)]
+"""Programs and packages that are not installed."""
+
 FLAGS = ("--no-sandbox", "--disable-gpu", "--hide-scrollbars")
 
 

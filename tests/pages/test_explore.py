@@ -2,7 +2,6 @@
 
 import contextlib
 import gzip
-import importlib.util
 import itertools
 import json
 import re
@@ -17,7 +16,6 @@ import click
 import numpy as np
 import pytest
 from browser import screen
-from browser.session import CHROMIUM, chromium
 from shared_cases import case
 
 from machine_code import web_assembly
@@ -30,11 +28,6 @@ from tailslap.case.of_arguments import case_of_scene
 from tailslap.errors import InputError
 from tailslap.scene.read import scene_text
 from tailslap.validation.calibration import calibrated_band
-
-MISSING = [name for name in ("playwright", "axe_playwright_python") if importlib.util.find_spec(name) is None]
-in_chromium = pytest.mark.skipif(
-    bool(MISSING) or not CHROMIUM.exists(), reason=f"without {', '.join(MISSING) or CHROMIUM}"
-)
 
 TRUCK, TRAIN, TIPPING = "impact-mash-tl4-sut", "impact-mash-tl5-tractor-van", "impact-tipping-tl4-sut"
 PLATE, WALL = "paper-table-3", "elastic-wall"
@@ -60,12 +53,6 @@ def file(text, tmp_path_factory):
     path = tmp_path_factory.mktemp("explore") / "explore.html"
     path.write_text(text, encoding="utf-8")
     return path
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as started:
-        yield started
 
 
 def test_the_command_writes_and_opens_one_file(tmp_path, monkeypatch, capsys, text):
@@ -184,7 +171,6 @@ def answer(scene: str, changes: Any = None, units: str = "si") -> str:
     return texts(scene, changes, units)[0]
 
 
-@in_chromium
 @pytest.mark.parametrize(("scene", "changes", "units"), [
     (TRUCK, {}, "si"), (TRAIN, {}, "us"),
     (TRUCK, {"impact.speed": 30.0, "contact.friction": 0.6, "impact.restitution": 0.4}, "us"),
@@ -201,7 +187,6 @@ def test_a_link_has_the_answer_of_the_command(opened, scene, changes, units):
     assert len(tab.requests) == 1
 
 
-@in_chromium
 def test_one_choice_sets_vehicle_speed_angle_and_mass(opened):
     """Scenes stand in groups, with the test level."""
     tab = opened()
@@ -218,7 +203,6 @@ def test_one_choice_sets_vehicle_speed_angle_and_mass(opened):
     assert f"`tailslap run {WALL}`" in tab.inner_text("#note")
 
 
-@in_chromium
 def test_a_box_changes_answer_address_and_scene(opened, tmp_path):
     """The copied scene is that of the command."""
     tab = opened()
@@ -236,7 +220,6 @@ def test_a_box_changes_answer_address_and_scene(opened, tmp_path):
     tab.wait_for_function("() => location.hash.includes('impact.speed=')")
 
 
-@in_chromium
 def test_a_filter_is_chosen_and_stands_in_the_address(opened):
     """Peaks are those of `tailslap rigid`."""
     tab = opened()
@@ -259,7 +242,6 @@ REFUSED = {
 }  # fmt: skip
 
 
-@in_chromium
 @pytest.mark.parametrize("scene", REFUSED)
 def test_a_box_refuses_in_the_words_of_the_command(opened, scene):
     """The rest of the page stays, and the next value is taken."""
@@ -283,7 +265,6 @@ def test_a_box_refuses_in_the_words_of_the_command(opened, scene):
         demand(tab, before)
 
 
-@in_chromium
 def test_memory_grows_for_more_rows(opened):
     """A second opening begins with the memory of the scene."""
     tab = opened()
@@ -300,7 +281,6 @@ def test_memory_grows_for_more_rows(opened):
     demand(tab, expected)
 
 
-@in_chromium
 def test_an_address_with_unknown_keys_is_named(opened):
     tab = opened(f"#scene={WALL}&impact.speed=x&wall.height=2")
     assert settled(tab) == answer(TRUCK)
@@ -309,7 +289,6 @@ def test_an_address_with_unknown_keys_is_named(opened):
     assert "impact.speed=x, wall.height=2" in note
 
 
-@in_chromium
 def test_a_browser_without_its_parts_and_another_module_are_named(
     browser, file, opened, tmp_path, monkeypatch
 ):
@@ -325,7 +304,6 @@ def test_a_browser_without_its_parts_and_another_module_are_named(
     assert "not that of its kernels" in settled(opened(path=other))
 
 
-@in_chromium
 def test_a_plate_runs_by_its_button(opened):
     """Its speed is that of the command, beside the exact one."""
     tab = opened("#units=us")
@@ -344,7 +322,6 @@ def test_a_plate_runs_by_its_button(opened):
     assert tab.errors == []
 
 
-@in_chromium
 @pytest.mark.parametrize(("width", "scheme"), [(390, "dark"), (1280, "light")])
 def test_screens(opened, width, scheme):
     """No fault by axe, and nothing beyond the window."""
@@ -361,7 +338,6 @@ def test_screens(opened, width, scheme):
         settled(tab)
 
 
-@in_chromium
 def test_a_truck_in_space_has_outcome_band_walls_and_views(opened):
     """Answer and stated error are those of the command.
 
@@ -393,7 +369,6 @@ def test_a_truck_in_space_has_outcome_band_walls_and_views(opened):
     assert len(tab.requests) == 1
 
 
-@in_chromium
 def test_without_motion_a_button_shows_the_next_picture(opened):
     tab = opened(f"#scene={TIPPING}", reduced_motion="reduce")
     tab.fill("#time", "0")

@@ -3,7 +3,6 @@
 import contextlib
 import functools
 import http.server
-import importlib.util
 import re
 import subprocess
 import sys
@@ -12,14 +11,10 @@ from pathlib import Path
 
 import pytest
 from browser import screen
-from browser.session import CHROMIUM, chromium
 
 import tailslap
 
 ROOT = Path(__file__).parents[2]
-
-MISSING = [name for name in ("playwright", "axe_playwright_python") if importlib.util.find_spec(name) is None]
-MISSING += [] if CHROMIUM.exists() else [str(CHROMIUM)]
 
 PAGES = ("", "gallery/", "theory/rigid/", "modal/", "reference/scene/", "howto/python/", "accuracy/")
 GROUNDS = {"light": "rgb(255, 255, 255)", "dark": "rgb(30, 33, 41)"}
@@ -52,14 +47,6 @@ def site(folder):
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{server.server_port}/"
         server.shutdown()
-
-
-@pytest.fixture(scope="module")
-def browser():
-    if MISSING:
-        pytest.skip(f"not installed: {MISSING}")
-    with chromium() as started:
-        yield started
 
 
 def test_the_site_has_its_pages_pictures_and_no_foreign_link(folder):
