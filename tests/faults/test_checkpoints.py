@@ -255,17 +255,8 @@ main(sys.argv[1:])
 
 
 def started(folder, *more):
-    command = [
-        sys.executable,
-        "-c",
-        OFTEN,
-        "run",
-        "paper-table-3",
-        *LONG,
-        "--out",
-        "results/paper-table-3",
-        *more,
-    ]
+    words = ["run", "paper-table-3", *LONG, "--out", "results/paper-table-3", *more]
+    command = [sys.executable, "-c", OFTEN, *words]
     return subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
 
 

@@ -19,22 +19,9 @@ from tailslap import InputError
 from tailslap.wall_strength import report as wall_report
 
 FUNCTIONS = (
-    *(
-        "check",
-        "compare",
-        "confirm",
-        "export",
-        "load",
-        "modal",
-        "modes",
-        "new",
-        "paper",
-        "parapet",
-        "rigid",
-        "run",
-    ),
-    *("scenes", "study", "sweep", "validate"),
-)
+    "check", "compare", "confirm", "export", "load", "modal", "modes", "new", "paper", "parapet", "rigid", "run",
+    "scenes", "study", "sweep", "validate",
+)  # fmt: skip
 
 
 SECTIONS = ("Parameters", "Returns", "Raises", "Examples")
