@@ -386,17 +386,6 @@ def test_values_that_are_not_finite_are_refused():
         contours.colour_scale(np.array([1.0, np.nan]))
 
 
-def test_the_view_holds_plate_and_wall_line():
-    points = np.array([[-1.0, 0.0], [9.0, 0.0], [9.0, 2.4], [-1.0, 2.4]])
-    view = contours.view_of_plate(points)
-    (x_min, bottom), (x_max, top) = view.pixel([[-1.0, 0.0], [9.0, 2.4]])
-    assert (x_min, x_max) == pytest.approx((70.0, 1530.0))
-    assert (top - bottom) / (x_max - x_min) == pytest.approx(0.24)
-    assert bottom >= 120.0
-    assert top <= 700.0 - 190.0
-    assert view.length == pytest.approx(10.0 / 1460.0)
-
-
 def test_the_view_reaches_down_to_the_wall_from_a_plate_above_it():
     view = contours.view_of_plate(np.array([[0.0, 3.0], [2.0, 5.0]]))
     assert view.pixel([0.0, 0.0])[1] >= 120.0 - 1e-9
