@@ -13,7 +13,6 @@ import sys
 import termios
 import time
 import warnings
-from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
@@ -22,6 +21,7 @@ from processes import imported
 from postprocess.report.provenance import CRATE
 from tailslap import delivery, scene_commands
 from tailslap.cli import _status, commands
+from tailslap.exports import export as exporting
 from tailslap.storage import folder
 from tailslap.studies import study as study_record
 from tailslap.studies import study_names
@@ -244,23 +244,6 @@ def test_a_remark_of_a_library_is_its_first_line(monkeypatch, capsys):
     assert capsys.readouterr().err == "tailslap: remark: the first line\n"
 
 
-def test_results_of_changed_scenes_replace_no_other(tmp_path, monkeypatch):
-    """The order of changes has no effect, and --out is respected."""
-    monkeypatch.chdir(tmp_path)
-    modes = ["modes", "paper-table-3", "--count", "1", "--quiet"]
-    changes = ["--set", "vehicle.mass=9 t", "--set", "plate.youngs_modulus=100 GPa"]
-    for more in ([], changes, [*changes[2:], *changes[:2]], [*changes, "--out", "results/mine"]):
-        assert _status([*modes, *more]) == 0
-    exported = ["export", "paper-table-3", "--to", "calculix", "--set", "corner.reaction=none", "--quiet"]
-    assert _status(exported) == 0
-    assert sorted(path.name for path in Path("results").iterdir()) == [
-        "mine",
-        "paper-table-3+corner.reaction=none-calculix",
-        "paper-table-3+plate.youngs_modulus=100GPa+vehicle.mass=9t-modes",
-        "paper-table-3-modes",
-    ]
-
-
 def test_every_command_names_its_folder_by_the_changes(monkeypatch):
     places = []
 
@@ -268,12 +251,12 @@ def test_every_command_names_its_folder_by_the_changes(monkeypatch):
         places.append(folder.default_place(*arguments).name)
         raise KeyboardInterrupt
 
-    for module in (delivery, scene_commands, study_record):
+    for module in (delivery, scene_commands, study_record, exporting):
         monkeypatch.setattr(module, "default_place", place)
     changed = ["mash-tl4-sut", "--set", "vehicle.mass=9 t"]
     studies = [f"study {name}" for name in study_names() if name != "tipping"]
-    for command in ("run", "modes", "confirm", *studies):
+    for command in ("run", "modes", "confirm", "export --to abaqus", *studies):
         assert _status([*command.split(), *changed]) == 130
     assert _status(["sweep", *changed, "--vary", "impact.speed=25 m/s"]) == 130
     assert all(name.startswith("mash-tl4-sut+vehicle.mass=9t") for name in places)
-    assert len({*places}) == len(studies) + 4
+    assert len({*places}) == len(studies) + 5
