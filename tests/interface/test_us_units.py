@@ -9,8 +9,6 @@ import numpy as np
 import pytest
 
 import tailslap
-from postprocess.fields.canvas import LIGHT, Canvas
-from postprocess.fields.contours import ContourField, Situation, draw_contours, draw_instants
 from postprocess.figures.animation import from_above, write_animation
 from postprocess.report.command_report import PAGE, Report, write_report
 from postprocess.report.page import Headline, Page, Section, page_text
@@ -172,7 +170,6 @@ def test_json_is_si_always(capsys):
     assert cli._status(["rigid", "mash-tl4-sut", "--units", "uk"]) == 2
 
 
-PSI = KIP / 1e3 / (FOOT / 12.0) ** 2
 SQUARE = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [0.0, 1.0]])
 
 
@@ -184,55 +181,6 @@ def result():
 @pytest.fixture(scope="module")
 def folder(result, tmp_path_factory):
     return result.save(tmp_path_factory.mktemp("us") / "reference", pictures=False)
-
-
-def texts_of(monkeypatch, draw):
-    """Words of a picture with the numbers of its rulers."""
-    words, write = list[str](), Canvas.write
-
-    def read(canvas, text, *arguments, **options):
-        words.extend([text] if canvas._colours is LIGHT else [])
-        write(canvas, text, *arguments, **options)
-
-    monkeypatch.setattr(Canvas, "write", read)
-    draw()
-    monkeypatch.undo()
-    return words
-
-
-def numbers(texts):
-    return [float(text) for text in texts if re.fullmatch(r"[\d.]+", text)]
-
-
-def test_contours_have_rulers_title_and_values_in_feet(monkeypatch, tmp_path):
-    field = ContourField("v", "Velocity", "m/s", SQUARE[:, 0])
-    situation = Situation((SQUARE, np.array([[0, 1, 2, 3]])), corner=(0.0, 0.0), centroid=(1.5, 0.5))
-    draw = lambda *units: draw_contours(situation, [field], tmp_path, *units)  # noqa: E731
-    metres, feet = (texts_of(monkeypatch, lambda u=units: draw(*u)) for units in ((), (US,)))
-    for words, length, speed in ((metres, "m", "m/s"), (feet, "ft", "ft/s")):
-        middle = {"m": "G: 1.5000 m/s", "ft": "G: 4.9213 ft/s"}[length]
-        axes = {f"X [{length}], driving direction →", f"Y [{length}]", f"Velocity [{speed}]"}
-        assert axes | {middle} <= {*words}
-    assert max(numbers(metres)) == 3.0
-    assert 3.0 / FOOT - 1.0 <= max(numbers(feet)) <= 3.0 / FOOT + 1.0
-    assert f"nodal values from 0 to {3.0 / FOOT:.4g} ft/s" in feet
-
-
-def test_drawn_fields_are_in_feet_and_ksi(result, tmp_path, monkeypatch):
-    """Title, range and rulers differ, the picture does not."""
-    series = result.fields
-
-    def drawn(**units):
-        draw = lambda: draw_instants(tmp_path, series, "stress_von_mises", instants=[1], **units)  # noqa: E731
-        return texts_of(monkeypatch, draw)
-
-    feet, metres = drawn(units=US), drawn()
-    stress = series.elemental["stress_von_mises"][1]
-    least, most = (f"{end / (1e3 * PSI):.4g}" for end in (stress.min(), stress.max()))
-    assert {"Von Mises stress [ksi]", "Y [ft]", "X [ft], driving direction →"} <= {*feet}
-    assert f"element values from {least} to {most} ksi" in feet
-    assert {"Von Mises stress [kPa]", "Y [m]", f"t = {series.t[1]:.4f} s"} <= {*metres}
-    assert f"element values from {1e-3 * stress.min():.4g} to {1e-3 * stress.max():.4g} kPa" in metres
 
 
 def test_exported_pictures_take_units_and_tables_refuse_them(result, tmp_path, monkeypatch):

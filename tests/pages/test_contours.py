@@ -17,7 +17,7 @@ from matplotlib.image import imread
 import tailslap
 from postprocess.fields import canvas, contours
 from postprocess.svg.scales import viridis
-from postprocess.units import US
+from postprocess.units import SI, US
 from tailslap.arguments import picture_pixels
 from tailslap.cli import _status
 from tailslap.errors import InputError
@@ -25,6 +25,7 @@ from tailslap.errors import InputError
 ROOT = Path(__file__).parents[2]
 LENGTH, WIDTH, SLIDE, OMEGA, SPEED = 10.0, 2.438, 9.42, 0.655, (23.27, -3.275)
 COLUMNS, ROWS = 20, 6
+FOOT, KSI = 0.3048, 4448.2216152605 / 0.0254**2
 
 
 def grid(columns, rows, low, high):
@@ -232,8 +233,37 @@ def test_stresses_have_the_unit_that_suits_them(tmp_path, words):
     )
     contours.draw_contours(PLATE, [stress], tmp_path)
     assert {"Von Mises stress [kPa]", "element values from 0 to 81 kPa", "G: 40.500 kPa"} <= words[0]
-    contours.draw_contours(PLATE, [stress], tmp_path, US)
-    assert "Von Mises stress [ksi]" in words[2]
+
+
+def numbers(texts):
+    return [float(text) for text in texts if re.fullmatch(r"[\d.]+", text)]
+
+
+def test_contours_have_rulers_title_and_values_in_feet(tmp_path, words):
+    square = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [0.0, 1.0]])
+    field = contours.ContourField("v", "Velocity", "m/s", square[:, 0])
+    situation = contours.Situation((square, np.array([[0, 1, 2, 3]])), corner=(0.0, 0.0), centroid=(1.5, 0.5))
+    for units in (SI, US):
+        contours.draw_contours(situation, [field], tmp_path, units)
+    metres, feet = words[0], words[2]
+    assert {"X [m], driving direction →", "Y [m]", "Velocity [m/s]", "G: 1.5000 m/s"} <= metres
+    assert {"X [ft], driving direction →", "Y [ft]", "Velocity [ft/s]", "G: 4.9213 ft/s"} <= feet
+    assert max(numbers(metres)) == 3.0
+    assert 3.0 / FOOT - 1.0 <= max(numbers(feet)) <= 3.0 / FOOT + 1.0
+    assert f"nodal values from 0 to {3.0 / FOOT:.4g} ft/s" in feet
+
+
+def test_drawn_fields_are_in_feet_and_ksi(tmp_path, words):
+    """Title, range and rulers differ, the picture does not."""
+    series = tailslap.run("paper-table-3", {"output.fields": 3, "plate.elements": [8, 2]}).fields
+    for units in (SI, US):
+        contours.draw_instants(tmp_path, series, "stress_von_mises", instants=[1], units=units)
+    stress = series.elemental["stress_von_mises"][1]
+    metres, feet = words
+    assert {"Von Mises stress [ksi]", "Y [ft]", "X [ft], driving direction →"} <= feet
+    assert {"Von Mises stress [kPa]", "Y [m]", f"t = {series.t[1]:.4f} s"} <= metres
+    for said, unit, size in ((metres, "kPa", 1e3), (feet, "ksi", KSI)):
+        assert f"element values from {stress.min() / size:.4g} to {stress.max() / size:.4g} {unit}" in said
 
 
 @pytest.mark.parametrize("form", ["", "-dark"])
