@@ -285,15 +285,6 @@ def test_the_page_states_the_error_in_space():
     assert percent_up(space.motion.error) in space.accuracy
 
 
-def test_scene_without_a_body_loads_no_space(python):
-    """Without [body] the packages of the vehicle in space are not imported."""
-    code = (
-        "import sys, tailslap; tailslap.rigid('impact-mash-tl4-sut', band=False); "
-        "print([name for name in sys.modules if name.startswith('solver.space')])"
-    )
-    assert python(code, check=True).stdout.strip() == "[]"
-
-
 @pytest.fixture(scope="module")
 def train():
     """Return the result of the train of the examples."""
