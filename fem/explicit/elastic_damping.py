@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from machine_code.compiled import compiled, implements, optional, reordered
+from machine_code.compiled import compiled, reordered
 
 SUMS = 6
 """Number of sums over the nodes.
@@ -41,36 +41,14 @@ def damped_time_step(frequency: float, rate: float) -> float:
     return 2.0 / (half + math.sqrt(half**2 + frequency**2))
 
 
-@optional()
+@reordered
 def sum_motion(damping, positions, velocities, mass, begin, end, sums):
     """Sum the motion of a range of nodes.
 
     sums: shape (SUMS,); the nodes are those from `begin` to `end` - 1.
     """
-
-
-@optional()
-def add_damping_force(damping, sums, positions, velocities, mass, time_step, begin, end, force):
-    """Add the damping forces on a range of nodes.
-
-    sums: those of all nodes. Returns the power [W] of the forces at these velocities.
-    """
-    return 0.0
-
-
-@optional()
-def power_correction(damping, sums, state, time_step, begin, end, force):
-    """Return the change of the damping power [W] by the velocities' mean.
-
-    The power is to be that on the mean of the velocities half a step before and after. With this correction the
-    energy balance closes to rounding. force: the sum of all forces.
-    """
-    return 0.0
-
-
-@implements(sum_motion, ElasticDamping)
-@reordered
-def _sum_motion(damping, positions, velocities, mass, begin, end, sums):
+    if damping is None:
+        return
     x, y, m = positions[0, begin:end], positions[1, begin:end], mass[begin:end]
     v_x, v_y = velocities[0, begin:end], velocities[1, begin:end]
     m_x = m_y = p_x = p_y = spin = second = 0.0
@@ -98,9 +76,14 @@ def rigid_motion(damping, sums, time_step):
     return v_x + spin * c_y - lag * c_x, v_y - spin * c_x - lag * c_y, spin, lag
 
 
-@implements(add_damping_force, ElasticDamping)
 @reordered
-def _add_damping_force(damping, sums, positions, velocities, mass, time_step, begin, end, force):
+def add_damping_force(damping, sums, positions, velocities, mass, time_step, begin, end, force):
+    """Add the damping forces on a range of nodes.
+
+    sums: those of all nodes. Returns the power [W] of the forces at these velocities.
+    """
+    if damping is None:
+        return 0.0
     a, b, spin, lag = rigid_motion(damping, sums, time_step)
     x, y, m = positions[0, begin:end], positions[1, begin:end], mass[begin:end]
     v_x, v_y = velocities[0, begin:end], velocities[1, begin:end]
@@ -115,9 +98,15 @@ def _add_damping_force(damping, sums, positions, velocities, mass, time_step, be
     return -rate * power
 
 
-@implements(power_correction, ElasticDamping)
 @reordered
-def _power_correction(damping, sums, state, time_step, begin, end, force):
+def power_correction(damping, sums, state, time_step, begin, end, force):
+    """Return the change of the damping power [W] by the velocities' mean.
+
+    The power is to be that on the mean of the velocities half a step before and after. With this correction the
+    energy balance closes to rounding. force: the sum of all forces.
+    """
+    if damping is None:
+        return 0.0
     a, b, spin, lag = rigid_motion(damping, sums, time_step)
     x, y = state.positions[0, begin:end], state.positions[1, begin:end]
     v_x, v_y = state.velocities[0, begin:end], state.velocities[1, begin:end]

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from machine_code.compiled import compact, implements, optional
+from machine_code.compiled import compiled, inlined
 
 UNIT = ("x_g", "y_g", "theta", "omega", "v_gx", "v_gy")
 """Columns of the rigid motion of a plate, as those of `ImpactMeasures`."""
@@ -22,27 +22,6 @@ HINGE = ("impulse_x", "impulse_y")
 """Columns of a hinge: impulse of the plate behind on the one ahead since the start [N s]."""
 
 SUMS = 11
-
-
-@optional(merged=True)
-def join(hinges, hinge_state, positions, velocities, mass, time_step, force):
-    """Add the forces of the hinges to `force`.
-
-    `force` must hold all other forces. They are stored in `hinge_state`.
-    """
-
-
-@optional(merged=True)
-def add_impulses(hinges, hinge_state, time_step):
-    """Add the impulses of hinges over a step."""
-
-
-@optional(merged=True)
-def describe_units(hinges, hinge_state, state, force, mass, time_step, reference, row):
-    """Fill a row with the columns of plates and hinges.
-
-    They are `UNIT` of each plate and `HINGE` of each hinge. `force` is complete.
-    """
 
 
 class Hinges(NamedTuple):
@@ -82,9 +61,14 @@ def unloaded(hinges: Any) -> HingeState | None:
     return HingeState(impulse, force, gap, np.zeros((count + 1, SUMS)))
 
 
-@implements(join, Hinges, merged=True)
-@compact
-def _join(hinges, hinge_state, positions, velocities, mass, time_step, force):
+@inlined
+def join(hinges, hinge_state, positions, velocities, mass, time_step, force):
+    """Add the forces of the hinges to `force`.
+
+    `force` must hold all other forces. They are stored in `hinge_state`.
+    """
+    if hinges is None:
+        return
     count = hinges.inertia.shape[0]
     for axis in range(2):
         x, v, f = positions[axis], velocities[axis], force[axis]
@@ -103,16 +87,24 @@ def _join(hinges, hinge_state, positions, velocities, mass, time_step, force):
                 f[hinges.nodes[k]] += hinges.weights[k] * hinge_state.force[axis, h]
 
 
-@implements(add_impulses, Hinges, merged=True)
-@compact
-def _add_impulses(hinges, hinge_state, time_step):
+@inlined
+def add_impulses(hinges, hinge_state, time_step):
+    """Add the impulses of hinges over a step."""
+    if hinges is None:
+        return
     for axis in range(2):
         for h in range(hinges.inertia.shape[0]):
             hinge_state.impulse[axis, h] += time_step * hinge_state.force[axis, h]
 
 
-@implements(describe_units, Hinges)
-def _describe_units(hinges, hinge_state, state, force, mass, time_step, reference, row):
+@compiled
+def describe_units(hinges, hinge_state, state, force, mass, time_step, reference, row):
+    """Fill a row with the columns of plates and hinges.
+
+    They are `UNIT` of each plate and `HINGE` of each hinge. `force` is complete.
+    """
+    if hinges is None:
+        return
     sums, half = hinge_state.sums, 0.5 * time_step
     x, y, v_x, v_y = state.positions[0], state.positions[1], state.velocities[0], state.velocities[1]
     sums[:] = 0.0

@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.laws.contact_forces import side_force
 from fem.laws.wall_contact import acceleration
-from machine_code.compiled import compact, implements, optional
+from machine_code.compiled import compact
 
 SUMS = ("tyre_work", "tyre_impulse_tangential", "tyre_impulse_normal", "tyre_impulse_angular")
 """Work of the tyres on the plates [J], their impulses along and across the wall [N s], and that of their moment about
@@ -51,32 +51,6 @@ def at_rest(axles: Any) -> AxleState | None:
     return None if axles is None else AxleState(np.zeros(4), np.zeros((2, axles.load.size)))
 
 
-@optional(merged=True)
-def steer(axles, axle_state, positions, velocities, mass, time_step, force):
-    """Add the side forces to `force`, and store them in the state.
-
-    `force` must hold the forces of the plates themselves.
-    """
-
-
-@optional(merged=True)
-def add_tyre_work(axles, axle_state, state, mass, time_step, force, span, sums):
-    """Add impulses and works of the side forces to `sums`.
-
-    span: their duration [s]; sums, shape (4,). `force` is complete.
-    """
-
-
-@optional(merged=True)
-def end_tyre_step(axles, axle_state, state, mass, time_step, force):
-    """Add impulses and works of a step to the state."""
-
-
-@optional(merged=True)
-def record_tyres(axles, axle_state, state, mass, time_step, force, row):
-    """Fill the row of an instant with the columns `SUMS`."""
-
-
 @compact
 def _mean(values, axles, a, weights):
     """Return the weighted sum of values at an axle's nodes."""
@@ -86,9 +60,14 @@ def _mean(values, axles, a, weights):
     return total
 
 
-@implements(steer, Axles)
 @compact
-def _steer(axles, axle_state, positions, velocities, mass, time_step, force):
+def steer(axles, axle_state, positions, velocities, mass, time_step, force):
+    """Add the side forces to `force`, and store them in the state.
+
+    `force` must hold the forces of the plates themselves.
+    """
+    if axles is None:
+        return
     half = 0.5 * time_step
     for a in range(axles.load.size):
         left_x = _mean(positions[0], axles, a, axles.slopes)
@@ -106,9 +85,14 @@ def _steer(axles, axle_state, positions, velocities, mass, time_step, force):
             force[1, axles.nodes[k]] += axles.weights[k] * axle_state.force[1, a]
 
 
-@implements(add_tyre_work, Axles)
 @compact
-def _add_tyre_work(axles, axle_state, state, mass, time_step, force, span, sums):
+def add_tyre_work(axles, axle_state, state, mass, time_step, force, span, sums):
+    """Add impulses and works of the side forces to `sums`.
+
+    span: their duration [s]; sums, shape (4,). `force` is complete.
+    """
+    if axles is None:
+        return
     half, positions, velocities = 0.5 * time_step, state.positions, state.velocities
     for a in range(axles.load.size):
         along, across = axle_state.force[0, a], axle_state.force[1, a]
@@ -122,15 +106,19 @@ def _add_tyre_work(axles, axle_state, state, mass, time_step, force, span, sums)
         sums[3] += span * (x * across - y * along)
 
 
-@implements(end_tyre_step, Axles)
 @compact
-def _end_tyre_step(axles, axle_state, state, mass, time_step, force):
+def end_tyre_step(axles, axle_state, state, mass, time_step, force):
+    """Add impulses and works of a step to the state."""
+    if axles is None:
+        return
     add_tyre_work(axles, axle_state, state, mass, time_step, force, time_step, axle_state.sums)
 
 
-@implements(record_tyres, Axles)
 @compact
-def _record_tyres(axles, axle_state, state, mass, time_step, force, row):
+def record_tyres(axles, axle_state, state, mass, time_step, force, row):
+    """Fill the row of an instant with the columns `SUMS`."""
+    if axles is None:
+        return
     for k in range(row.size):
         row[k] = axle_state.sums[k]
     add_tyre_work(axles, axle_state, state, mass, time_step, force, 0.5 * time_step, row)

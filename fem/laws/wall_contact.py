@@ -28,7 +28,7 @@ import numpy as np
 
 from fem.laws.constraints import friction_force
 from fem.laws.unilateral import CONTACT_LAWS
-from machine_code.compiled import by_law, compact, compiled, implements, inlined, optional
+from machine_code.compiled import by_law, compact, compiled, inlined
 
 
 class Surface(NamedTuple):
@@ -53,44 +53,8 @@ class Surface(NamedTuple):
     mobility_y: float
 
 
-@optional(merged=True)
-def set_wall_forces(wall, wall_motion):
-    """Set the forces of wall and foundation."""
-
-
-@optional(merged=True)
-def surface_at(wall, wall_motion, contact, i, positions, origin):
-    """Return the face at contact point i.
-
-    Positions [m] are relative to the origin.
-    """
-    return Surface(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-@optional(merged=True)
-def tilted(wall, face, value):
-    """Return the face's slope times a value."""
-    return 0.0
-
-
-@optional(merged=True)
-def add_wall_reaction(wall, wall_motion, face, tangential, normal):
-    """Add the reaction to a contact point's forces [N] to the face."""
-
-
-@optional(merged=True)
-def advance_wall(wall, wall_motion, time_step):
-    """Advance the wall, whose forces are complete."""
-
-
-@optional(merged=True)
-def describe_wall(wall, wall_motion, half):
-    """Return energy, largest deflection and foundation impulse of the wall.
-
-    Energy [J] of wall and foundation; largest deflection of the face [m] and its place along the wall [m]; impulse of
-    the foundation across the wall [N s]. half: of the time step [s].
-    """
-    return 0.0, 0.0, 0.0, 0.0
+RIGID = Surface(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+"""Face of a rigid wall, and of one that no point touches."""
 
 
 class BoundaryContact(NamedTuple):
@@ -254,8 +218,11 @@ def at_rest(wall: ElasticWall) -> WallMotion:
     return WallMotion(np.zeros(modes), np.zeros(modes), np.zeros(modes), np.zeros(2), np.zeros(1))
 
 
-@implements(set_wall_forces, ElasticWall, merged=True)
-def _set_wall_forces(wall, wall_motion):
+@inlined
+def set_wall_forces(wall, wall_motion):
+    """Set the forces of wall and foundation."""
+    if wall is None:
+        return
     for k in range(wall.stiffness.size):
         wall_motion.force[k] = -wall.stiffness[k] * wall_motion.amplitude[k]
 
@@ -271,10 +238,16 @@ def locate(wall, x):
     return node, min(max(place - node, 0.0), 1.0), wall.spacing * max(-place, place - last, 0.0)
 
 
-@implements(surface_at, ElasticWall, merged=True)
-def _surface_at(wall, wall_motion, contact, i, positions, origin):
+@inlined
+def surface_at(wall, wall_motion, contact, i, positions, origin):
+    """Return the face at contact point i.
+
+    Positions [m] are relative to the origin.
+    """
+    if wall is None:
+        return RIGID
     if not point_mean(positions[1], contact, i) <= wall.reach:
-        return Surface(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return RIGID
     node, weight, beyond = locate(wall, origin + point_mean(positions[0], contact, i))
     x_0, x_1 = wall.face[0, node], wall.face[0, node + 1]
     y_0, y_1 = wall.face[1, node], wall.face[1, node + 1]
@@ -293,13 +266,19 @@ def _surface_at(wall, wall_motion, contact, i, positions, origin):
     return Surface(node, weight, beyond, sink, slope, rate_x, rate_y, pull_x, pull_y, mobility_x, mobility_y)
 
 
-@implements(tilted, ElasticWall, merged=True)
-def _tilted(wall, face, value):
+@inlined
+def tilted(wall, face, value):
+    """Return the face's slope times a value."""
+    if wall is None:
+        return 0.0
     return face.slope * value
 
 
-@implements(add_wall_reaction, ElasticWall, merged=True)
-def _add_wall_reaction(wall, wall_motion, face, tangential, normal):
+@inlined
+def add_wall_reaction(wall, wall_motion, face, tangential, normal):
+    """Add the reaction to a contact point's forces [N] to the face."""
+    if wall is None:
+        return
     if normal == 0.0:
         return
     wall_motion.beyond[0] = max(wall_motion.beyond[0], face.beyond)
@@ -319,8 +298,11 @@ def foundation_force(wall, wall_motion, direction):
     return -wall.foundation * total
 
 
-@implements(advance_wall, ElasticWall, merged=True)
-def _advance_wall(wall, wall_motion, time_step):
+@inlined
+def advance_wall(wall, wall_motion, time_step):
+    """Advance the wall, whose forces are complete."""
+    if wall is None:
+        return
     for direction in range(2):
         wall_motion.impulse[direction] += time_step * foundation_force(wall, wall_motion, direction)
     for k in range(wall.stiffness.size):
@@ -328,8 +310,15 @@ def _advance_wall(wall, wall_motion, time_step):
         wall_motion.amplitude[k] += time_step * wall_motion.rate[k]
 
 
-@implements(describe_wall, ElasticWall, merged=True)
-def _describe_wall(wall, wall_motion, half):
+@inlined
+def describe_wall(wall, wall_motion, half):
+    """Return energy, largest deflection and foundation impulse of the wall.
+
+    Energy [J] of wall and foundation; largest deflection of the face [m] and its place along the wall [m]; impulse of
+    the foundation across the wall [N s]. half: of the time step [s].
+    """
+    if wall is None:
+        return 0.0, 0.0, 0.0, 0.0
     energy = 0.0
     for k in range(wall.stiffness.size):
         energy += 0.5 * wall_motion.rate[k] * (wall_motion.rate[k] + 2.0 * half * wall_motion.force[k])
