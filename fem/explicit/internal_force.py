@@ -18,12 +18,7 @@ import numpy as np
 
 from fem.explicit.elastic_damping import SUMS
 from fem.explicit.nine_nodes import SIZES, SQUARE, rectangle_sizes, set_nine_nodes
-from fem.explicit.point_force import (
-    add_mapped_point,
-    add_point,
-    set_quadrilaterals,
-    set_stabilised_point,
-)
+from fem.explicit.point_force import add_point, set_quadrilaterals, set_stabilised_point
 from fem.explicit.simd_blocks import (
     BLOCK_SIZE,
     VECTOR_SIZE,
@@ -200,10 +195,11 @@ def subtract_forces_of(
 def _set_by_points(block, viscosity, hourglass, table, material, scratch, energies, vectors):
     """Fill the block's rows with forces, point by point."""
     other_nodes, at, rows = table.per_element[1:], block_rows(len(table.per_element)), scratch.rows
+    reference = scratch.reference
     subtract_first(other_nodes, rows)
     if viscosity is not None:
         subtract_first(other_nodes, rows[at.velocities :])
-    if scratch.reference is not None:
+    if reference is not None:
         subtract_first(other_nodes, rows[at.reference :])
     if hourglass is None:
         rows[at.forces : at.velocities] = 0.0
@@ -216,17 +212,8 @@ def _set_by_points(block, viscosity, hourglass, table, material, scratch, energi
                 other_nodes, material, viscosity, rows, gradients, weights, control, energies, vectors
             )
         else:
-            reference = scratch.reference
-            _add_any_point(
+            add_point(
                 reference, other_nodes, material, viscosity, rows, gradients, weights, energies, vectors
             )
     if hourglass is None:
         balance(other_nodes, rows[at.forces : at.velocities])
-
-
-@compiled
-def _add_any_point(reference, other_nodes, material, viscosity, rows, gradients, weights, energies, vectors):
-    if reference is None:
-        add_point(other_nodes, material, viscosity, rows, gradients, weights, energies, vectors)
-    else:
-        add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights, energies, vectors)

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from fem.explicit.point_force import inverse, product, product_with_transpose, weighted_stress
+from fem.explicit.point_force import mapped_stress
 from fem.explicit.simd_blocks import NODE, VECTOR_SIZE, Y, at_slot, block_rows
 from machine_code.compiled import inlined, reordered
 
@@ -82,29 +82,19 @@ def set_nine_nodes(material, viscosity, reference, rows, sizes, energies, vector
             x, weight = place * x_last, part * at_slot(sizes, 6, slot)
             f, r, j = _gradients(field, x, height), _gradients(rate, x, height), _gradients(shape, x, height)
             outer, inner = COLUMNS[0][1] * weight, COLUMNS[1][1] * weight
-            lower = _stress(f[0], r[0], j[0], outer, material, viscosity, reference, rows, at, energies, slot)
-            middle = _stress(
+            lower = mapped_stress(
+                f[0], r[0], j[0], outer, material, viscosity, reference, rows, at, energies, slot
+            )
+            middle = mapped_stress(
                 f[1], r[1], j[1], inner, material, viscosity, reference, rows, at, energies, slot
             )
-            upper = _stress(f[2], r[2], j[2], outer, material, viscosity, reference, rows, at, energies, slot)
+            upper = mapped_stress(
+                f[2], r[2], j[2], outer, material, viscosity, reference, rows, at, energies, slot
+            )
             f_u = _with_column(f_u, lower[0], lower[1], middle[0], middle[1], upper[0], upper[1], x, height)
             f_v = _with_column(f_v, lower[2], lower[3], middle[2], middle[3], upper[2], upper[3], x, height)
         _set_nodes(f_u, at.forces, rows, along, across, slot)
         _set_nodes(f_v, at.forces + Y, rows, along, across, slot)
-
-
-@inlined
-def _stress(f, r, shape, weight, material, viscosity, reference, rows, at, energies, slot):
-    """Return the weighted stress that multiplies gradients of the coordinates.
-
-    f, r, shape: gradients of positions, velocities and reference positions.
-    """
-    if reference is None:
-        return weighted_stress(f, r, material, viscosity, rows, at, weight, energies, slot)
-    area, inverted = inverse(shape)
-    f, r, volume = product(f, inverted), product(r, inverted), abs(area) * weight
-    p = weighted_stress(f, r, material, viscosity, rows, at, volume, energies, slot)
-    return product_with_transpose(p, inverted)
 
 
 @inlined

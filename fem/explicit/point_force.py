@@ -16,39 +16,25 @@ from machine_code.compiled import inlined, reordered
 
 
 @reordered
-def add_point(other_nodes, material, viscosity, rows, gradients, weights, energies, vectors):
+def add_point(reference, other_nodes, material, viscosity, rows, gradients, weights, energies, vectors):
     """Add the nodal forces of one quadrature point to the block's rows.
 
-    P = F S, f_a = w P grad N_a. energies: None where the strain energy is not added to its row. vectors: number,
-    of VECTOR_SIZE slots each.
+    P = F S, f_a = w P grad N_a. reference: None, or the reference positions of mapped elements, whose gradients are on
+    the reference element. energies: None where the strain energy is not added to its row. vectors: number, of
+    VECTOR_SIZE slots each.
     """
     at = block_rows(len(other_nodes) + 1)
     for slot in range(VECTOR_SIZE * vectors):
+        shape = (1.0, 0.0, 0.0, 1.0)
+        if reference is not None:
+            shape = _gradient(at.reference, other_nodes, rows, gradients, slot)
         f = _gradient(at.positions, other_nodes, rows, gradients, slot)
         r = f
         if viscosity is not None:
             r = _gradient(at.velocities, other_nodes, rows, gradients, slot)
         weight = at_slot(weights, 0, slot)
-        p = weighted_stress(f, r, material, viscosity, rows, at, weight, energies, slot)
+        p = mapped_stress(f, r, shape, weight, material, viscosity, reference, rows, at, energies, slot)
         _add_to_nodes(p, other_nodes, rows, gradients, slot)
-
-
-@reordered
-def add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights, energies, vectors):
-    """Add the nodal forces of one quadrature point of mapped elements.
-
-    gradients: on the reference element.
-    """
-    at = block_rows(len(other_nodes) + 1)
-    for slot in range(VECTOR_SIZE * vectors):
-        area, inverted = inverse(_gradient(at.reference, other_nodes, rows, gradients, slot))
-        f = product(_gradient(at.positions, other_nodes, rows, gradients, slot), inverted)
-        r = f
-        if viscosity is not None:
-            r = product(_gradient(at.velocities, other_nodes, rows, gradients, slot), inverted)
-        weight = at_slot(weights, 0, slot) * abs(area)
-        p = weighted_stress(f, r, material, viscosity, rows, at, weight, energies, slot)
-        _add_to_nodes(product_with_transpose(p, inverted), other_nodes, rows, gradients, slot)
 
 
 @reordered
@@ -168,6 +154,21 @@ def set_stabilised_point(
             y_sum += y
         rows[at.forces + slot] = -x_sum
         rows[at.forces + Y + slot] = -y_sum
+
+
+@inlined
+def mapped_stress(f, r, shape, weight, material, viscosity, reference, rows, at, energies, slot):
+    """Return the weighted stress that multiplies gradients of the coordinates.
+
+    f, r, shape: gradients of positions, velocities and reference positions; reference: None where they are those in the
+    reference configuration.
+    """
+    if reference is None:
+        return weighted_stress(f, r, material, viscosity, rows, at, weight, energies, slot)
+    area, inverted = inverse(shape)
+    f, r, volume = product(f, inverted), product(r, inverted), abs(area) * weight
+    p = weighted_stress(f, r, material, viscosity, rows, at, volume, energies, slot)
+    return product_with_transpose(p, inverted)
 
 
 @inlined
