@@ -198,13 +198,13 @@ def one(key: str, value: ArrayLike) -> float:
     return scalar
 
 
-def within(rule: Rule, value: ArrayLike, least: float, most: float, **details: Number | str) -> float:
-    """Return a value as a float between the bounds, exclusive.
+def within(rule: Rule, value: ArrayLike, most: float) -> float:
+    """Return a value as a float above 0 and below a bound.
 
     Raises RigidBodyError by the rule.
     """
     scalar = one(rule.key, value)
-    Gate().demand(rule, least < scalar < most, scalar, **details)
+    Gate().demand(rule, 0.0 < scalar < most, scalar)
     return scalar
 
 
@@ -213,4 +213,4 @@ def positive(rule: Rule, value: ArrayLike) -> float:
 
     Raises RigidBodyError by the rule.
     """
-    return within(rule, value, 0.0, math.inf)
+    return within(rule, value, math.inf)

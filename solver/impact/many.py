@@ -16,16 +16,13 @@ from solver.impact.crush_law import LAW, CrushLaw
 from solver.impact.strips import Strip, WallContact, awaited, points_of
 from solver.impact.train import Train
 from solver.impact.trajectories import Trajectories, solve_trains
-from solver.impact.tyres import tyres_of
+from solver.impact.tyres import AXLE, tyres_of
 
 MANY_TOLERANCE = 4e-3
 """Tolerance by which the step of many impacts at once is chosen."""
 
 BODY = ("length", "width", "mass", "centre_of_mass", "yaw_inertia", "hitch", "kingpin")
 """Quantities of a unit besides its crush."""
-
-AXLE = ("position", "friction", "cornering")
-"""Quantities of an axle."""
 
 
 @dataclass(frozen=True)

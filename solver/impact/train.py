@@ -274,7 +274,7 @@ def first_touch(
     RigidBodyError
         Unless 0 < angle < pi/2 and the speed is positive and finite.
     """
-    theta = within(rules.TOUCH_ANGLE, angle, 0.0, math.pi / 2.0)
+    theta = within(rules.TOUCH_ANGLE, angle, math.pi / 2.0)
     v = positive(rules.SPEED, speed)
     units = vehicle, *(trailer.vehicle for trailer in trailers)
     sizes = np.array([[unit.length, unit.width, unit.front_distance] for unit in units]).T[..., None]

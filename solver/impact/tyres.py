@@ -22,6 +22,9 @@ from solver.impact.train import Train
 CORNERING = 6.0
 """Assumed value of C for a dual-tyred truck axle."""
 
+AXLE = ("position", "friction", "cornering")
+"""Quantities of an axle, besides its unit."""
+
 SUMS = ("tyre_work", "tyre_impulse_tangential", "tyre_impulse_normal", "tyre_impulse_angular")
 """Columns of each unit: work of its tyres on it [J], their impulses along and across the wall [N s], and that of their
 moment about the origin [N m s]."""
@@ -79,10 +82,9 @@ def tyres_of(train: Train, axles: Sequence[Mapping[str, Any]], centres: Array, l
         return no_tyres(train)
     count, n = train.mass.shape
     unit = np.array([int(axle["unit"]) for axle in axles])
-    names = ("position", "friction", "cornering")
     position, friction, cornering = (
         np.array([np.broadcast_to(np.asarray(axle[name], dtype=np.float64), n) for axle in axles])
-        for name in names
+        for name in AXLE
     )
     for a, u in enumerate(unit):
         demand(rules.AXLE_UNIT, f"axle.{a}.unit", bool(0 <= u < count), u, most=count - 1)
