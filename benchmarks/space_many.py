@@ -19,7 +19,7 @@ import numpy as np
 from command_line import row
 from space_vehicles import ANGLE, MASS, SPEED, truck, truck_unit
 
-from solver.space import SpaceVehicle, SpaceWall, lowest_wall, lowest_walls, solve_space, solve_spaces
+from solver.space import SpaceVehicle, SpaceWall, lowest_wall, solve_space, solve_spaces
 from tailslap.case import case_of
 from tailslap.case.impact.space.input import space_input
 from tailslap.scene.read import read_scene
@@ -66,7 +66,6 @@ def single(scene: str) -> None:
     for name, solve in (
         ("one motion, step of 0.25 ms", partial(solve_space, step=2.5e-4, points=1)),
         ("one motion with its error", solve_space),
-        ("lowest wall", lowest_walls),
         ("lowest wall with its error", lowest_wall),
     ):
         solve(*arguments)  # compiles

@@ -32,6 +32,7 @@ import command_line
 import numpy as np
 from command_line import add_record, on_all_cores, read_records, row
 
+from machine_code.compiled import ignore_compiling
 from solver.space import (
     PROFILES,
     UNDECIDED,
@@ -42,12 +43,11 @@ from solver.space import (
     SpaceVehicle,
     SpaceWall,
     lowest_wall,
-    lowest_walls,
     solve_space,
 )
 from solver.space.accuracy import COMPARED, TOLERANCE
 from solver.space.motion import INTERVAL, PHASE
-from solver.space.solve import OUTCOMES, steps_of
+from solver.space.solve import OUTCOMES, SCAN, highest_centres, searched_walls, steps_of
 from solver.space.vehicle import fleet_of
 
 Record = dict[str, Any]
@@ -168,7 +168,9 @@ def solved(seed: int, runs: int, number: int) -> Record:
     """Return the motion of the program, and true errors of its quantities."""
     vehicle, wall, *approach = drawn(seed, number)
     random, pieces = np.random.default_rng((seed, number, 1)), 1 + number % CUTS
-    boundary = float(lowest_walls(vehicle, wall, *approach, refine=WALLS[0], finer=WALLS[1])[0, 0])
+    fleet = fleet_of(vehicle, wall, *approach)
+    boundary = float(searched_walls(fleet, SCAN, *WALLS, ignore_compiling)[0, 0])
+    boundary = boundary if boundary <= highest_centres(fleet)[0] else math.nan
     if number >= runs:
         if math.isnan(boundary):
             return {"number": number, "seed": seed, "skipped": True}
@@ -177,7 +179,7 @@ def solved(seed: int, runs: int, number: int) -> Record:
     motion = solve_space(cut(vehicle, pieces), wall, *approach)
     lowest, lowest_error = lowest_wall(cut(vehicle, pieces), wall, *approach)
     spent = time.process_time() - start
-    first = INTERVAL / int(steps_of(fleet_of(vehicle, wall, *approach), INTERVAL, PHASE, None)[0])
+    first = INTERVAL / int(steps_of(fleet, INTERVAL, PHASE, None)[0])
     step = min(motion.step / CHOSEN_STEP, first / FIRST_STEP)
     reference = solve_space(
         vehicle, wall, *approach, step=step, points=min(max(2 * motion.points, POINTS), MOST_POINTS)

@@ -1,7 +1,7 @@
 """Vehicles in space that strike a wall, with roll and pitch."""
 
 from solver.space.motion import UNDECIDED, SpaceMotion, lowest_wall, solve_space
-from solver.space.solve import OUTCOMES, SpaceAnswers, lowest_walls, solve_spaces
+from solver.space.solve import OUTCOMES, SpaceAnswers, solve_spaces
 from solver.space.vehicle import SpaceAxle, SpaceStrip, SpaceUnit, SpaceVehicle, SpaceWall
 from solver.space.wall import PROFILES, profile_points
 
@@ -17,7 +17,6 @@ __all__ = [
     "SpaceVehicle",
     "SpaceWall",
     "lowest_wall",
-    "lowest_walls",
     "profile_points",
     "solve_space",
     "solve_spaces",

@@ -40,9 +40,6 @@ OTHER_STEPS, OTHER_POINTS = 2.0 / 3.0, 0.75
 WINDOW = 0.05
 """Duration of the mean of the design force [s]."""
 
-FIRST_ROLL, POSES = col.rolls(1).start, len(col.POSE)
-"""Column of the roll of the first unit, and columns from one unit to the next."""
-
 MARGIN = 2e-3
 """Change of the height of the wall within which the outcome must be the same, and least error of a lowest wall [m]."""
 
@@ -289,7 +286,7 @@ def parted(motions, one, other):
     answers, largest = motions.answers, 0.0
     for j in range(int(min(answers[one, col.ROWS_WRITTEN], answers[other, col.ROWS_WRITTEN]))):
         for u in range(motions.rolls.shape[1]):
-            roll = FIRST_ROLL + POSES * u
+            roll = col.FIRST_ROLL + len(col.POSE) * u
             largest = max(largest, abs(motions.rows[one, j, roll] - motions.rows[other, j, roll]))
     return largest
 

@@ -4,7 +4,7 @@ Steps and points are chosen in compiled code, see `solver.space.accuracy`.
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -107,7 +107,11 @@ class SpaceMotion:
         return strikes_of(self.history["t"], self.pushes)
 
     def strike_errors(self, strikes: Sequence[Strike]) -> list[dict[str, float]]:
-        """Return the stated errors of strikes.
+        """Return the stated relative errors of strikes by quantity.
+
+        `SAFETY` times the sum of the changes by steps, points and rows, plus the largest change by other limits of what
+        belongs to a strike. As the former may be small by chance, it counts as no less than its geometric mean with the
+        largest of the strike. Infinite where a motion lacks the strike.
 
         Parameters
         ----------
@@ -117,18 +121,28 @@ class SpaceMotion:
         Returns
         -------
         list of dict
-            Relative errors of `QUANTITIES` of each strike, see the function `strike_errors`.
+            Errors of `QUANTITIES` of each strike.
         """
-        return strike_errors(strikes, float(self.history["t"][1]), self.pushes, self.compared)
+        t = self.history["t"]
 
+        def counted(
+            forces: Mapping[str, Array], light: float = LIGHT, apart: float = 1.0
+        ) -> tuple[Strike, ...]:
+            size = len(next(iter(forces.values())))
+            instants: Array = t[1] * np.arange(size + 1, dtype=np.float64)
+            return strikes_of(instants, forces, light=light, apart=apart)
 
-def column_names(units: int, axles: int) -> tuple[str, ...]:
-    """Return the column names of a row."""
-    ends = ("", *(f"_{unit}" for unit in range(2, units + 1)))
-    poses = [f"{name}{end}" for end in ends for name in state.POSE]
-    wheels = [f"{name}_{axle}" for axle in range(1, axles + 1) for name in state.WHEELS]
-    pulls = [f"{name}_{hinge}" for hinge in range(1, units) for name in state.HINGE]
-    return (*state.FORCES, *state.SENSOR, *state.WORKS, *state.ENERGIES, *poses, *wheels, *pulls)
+        same, motions = counted(self.pushes), [counted(forces) for forces in self.compared]
+        limits = [counted(self.pushes, factor * LIGHT) for factor in (1.0 / LIGHTER, LIGHTER)]
+        limits += [counted(self.pushes, apart=factor) for factor in (1.0 / APART, APART)]
+        errors = []
+        for strike in strikes:
+            changes = [_changes(strike, same, after) for after in motions]
+            resolved = SAFETY * np.sum([_changes(strike, [strike], same), *changes], axis=0)
+            unsure = np.max([_changes(strike, same, after) for after in limits], axis=0)
+            error = np.maximum(np.sqrt(resolved * resolved.max()) + unsure, LEAST_ERROR)
+            errors.append(dict(zip(QUANTITIES, error.tolist(), strict=True)))
+        return errors
 
 
 def push_names(vehicle: SpaceVehicle) -> tuple[str, ...]:
@@ -205,7 +219,8 @@ def solve_space(
     one, *compared = motions.at
     answers = answers_of(fleet, motions.answers[one : one + 1], motions.rolls[one : one + 1])
     Gate().demand(rules.NO_CONTACT, bool(answers.rows[0]), float(fleet.height[0]))
-    names, strips = column_names(fleet.units.shape[1], fleet.axles.shape[1]), push_names(vehicle)
+    names = state.column_names(fleet.units.shape[1], fleet.axles.shape[1])
+    strips = push_names(vehicle)
 
     def pushes(k: int) -> dict[str, Array]:
         rows = motions.rows[k, 1 : int(motions.answers[k, state.ROWS_WRITTEN])]
@@ -248,9 +263,9 @@ def lowest_wall(
     Returns
     -------
     tuple of float
-        Height as of `lowest_walls` and error: `SAFETY` times its range by steps and points, or up to the next tried
-        wall above one on which the vehicle almost tips [m]; infinite where the highest centre of mass is within it, or
-        only some of the searches succeed.
+        Height, NaN where a wall as high as the highest centre of mass does not suffice, and error: `SAFETY` times its
+        range by steps and points, or up to the next tried wall above one on which the vehicle almost tips [m]; infinite
+        where the highest centre of mass is within it, or only some of the searches succeed.
 
     Raises
     ------
@@ -267,40 +282,6 @@ def lowest_wall(
         return (math.nan, 0.0) if above > error else (height, math.inf)
     almost = float(walls[:, 1].max())
     return height, max(error, almost + SCAN - height if almost else 0.0)
-
-
-def strike_errors(
-    strikes: Sequence[Strike],
-    interval: float,
-    pushes: Mapping[str, Array],
-    compared: Iterable[Mapping[str, Array]],
-) -> list[dict[str, float]]:
-    """Return relative errors of strikes by quantity.
-
-    `SAFETY` times the sum of the changes by steps, points and rows, plus the largest change by other limits of what
-    belongs to a strike. As the former may be small by chance, it counts as no less than its geometric mean with the
-    largest of the strike. Infinite where a motion lacks the strike.
-
-    strikes: of a motion with shorter rows; interval: between rows of the forces [s]; pushes, compared: as of
-    `SpaceMotion`.
-    """
-
-    def counted(forces: Mapping[str, Array], light: float = LIGHT, apart: float = 1.0) -> tuple[Strike, ...]:
-        size = len(next(iter(forces.values())))
-        instants: Array = interval * np.arange(size + 1, dtype=np.float64)
-        return strikes_of(instants, forces, light=light, apart=apart)
-
-    same, motions = counted(pushes), [counted(forces) for forces in compared]
-    limits = [counted(pushes, factor * LIGHT) for factor in (1.0 / LIGHTER, LIGHTER)]
-    limits += [counted(pushes, apart=factor) for factor in (1.0 / APART, APART)]
-    errors = []
-    for strike in strikes:
-        changes = [_changes(strike, same, after) for after in motions]
-        resolved = SAFETY * np.sum([_changes(strike, [strike], same), *changes], axis=0)
-        unsure = np.max([_changes(strike, same, after) for after in limits], axis=0)
-        error = np.maximum(np.sqrt(resolved * resolved.max()) + unsure, LEAST_ERROR)
-        errors.append(dict(zip(QUANTITIES, error.tolist(), strict=True)))
-    return errors
 
 
 def _changes(strike: Strike, before: Sequence[Strike], after: Sequence[Strike]) -> Array:

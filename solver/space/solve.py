@@ -94,7 +94,7 @@ class SpaceAnswers(NamedTuple):
 
 
 def solve_spaces(
-    vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Number, *, refine: int = 1, finer: float = 1
+    vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Number, *, refine: int = 1
 ) -> SpaceAnswers:
     """Solve motions in space of n vehicles.
 
@@ -108,8 +108,6 @@ def solve_spaces(
         Speed [m/s] and angle [rad] before the impact.
     refine : int
         Steps in place of each chosen one.
-    finer : float
-        Points of a strip in place of each.
 
     Returns
     -------
@@ -121,58 +119,11 @@ def solve_spaces(
     RigidBodyError
         For impossible values, and where the steps become too short.
     """
-    fleet = with_points(fleet_of(vehicle, wall, speed, angle), finer)
+    fleet = fleet_of(vehicle, wall, speed, angle)
     parts = refine * steps_of(fleet, INTERVAL, PHASE, None)
     answers, rolls = np.zeros((len(parts), state.ANSWERS)), np.zeros(fleet.units.shape[:2])
     call(fleet, clock_of(INTERVAL, parts, None, NO_PUSH), ignore_compiling, answers=answers, rolls=rolls)
     return answers_of(fleet, answers, rolls)
-
-
-def lowest_walls(
-    vehicle: SpaceVehicle,
-    wall: SpaceWall,
-    speed: Number,
-    angle: Number,
-    *,
-    scan: float = SCAN,
-    refine: float = 1,
-    finer: float = 1,
-    on_compile: OnCompile = ignore_compiling,
-) -> Array:
-    """Return the lowest walls above which n vehicles remain upright [m].
-
-    Walls from there up to the height of the highest centre of mass are tried in steps of `scan`.
-
-    Parameters
-    ----------
-    vehicle : SpaceVehicle
-        Its values are floats or of shape (n,), as those of the next.
-    wall : SpaceWall
-        Its height is not used.
-    speed, angle : float or ndarray
-        Speed [m/s] and angle [rad] before the impact.
-    scan : float
-        Step of the search before the bisection to 1 mm [m].
-    refine, finer : float
-        Steps in place of each chosen one, and points of a strip.
-    on_compile : callable
-        See `solve_space`.
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        Lowest walls, NaN where a wall as high as the highest centre of mass does not suffice, 0.1 where any does; and
-        the highest tried wall on which the vehicle almost tips, although a lower one suffices, 0 without.
-
-    Raises
-    ------
-    RigidBodyError
-        As `solve_spaces`.
-    """
-    fleet = fleet_of(vehicle, wall, speed, angle)
-    walls = searched_walls(fleet, scan, refine, finer, on_compile)
-    walls[walls[:, 0] > highest_centres(fleet), 0] = np.nan
-    return walls
 
 
 def highest_centres(fleet: Fleet) -> Array:
@@ -182,9 +133,12 @@ def highest_centres(fleet: Fleet) -> Array:
 
 
 def searched_walls(fleet: Fleet, scan: float, refine: float, finer: float, on_compile: OnCompile) -> Array:
-    """Return the lowest walls, also just above the highest centre.
+    """Return the lowest walls above which n vehicles remain upright [m].
 
-    As `lowest_walls`, but NaN only where a wall by `scan` above the highest centre of mass does not suffice.
+    Walls from there up to the height of the highest centre of mass are tried in steps of `scan` before the bisection to
+    1 mm [m]; refine, finer: steps in place of each chosen one, and points of a strip. Shape (n, 2): lowest walls, NaN
+    where a wall by `scan` above that centre does not suffice, 0.1 where any does; and the highest tried wall on which
+    the vehicle almost tips, although a lower one suffices, 0 without.
     """
     fleet = with_points(fleet, finer)
     parts = np.ceil(refine * steps_of(fleet, INTERVAL, PHASE, None)).astype(np.int64)
@@ -209,12 +163,8 @@ def rows_of(clock: Clock) -> int:
 def workspace_of(fleet: Fleet, clock: Clock) -> SpaceWork:
     """Return the workspace for one sample of a fleet."""
     points, rows = int(fleet.strip_points.sum()), rows_of(clock)
-    return workspace(*_counts(fleet), points, len(fleet.profile), rows)
-
-
-def _counts(fleet: Fleet) -> tuple[int, int, int]:
-    """Return the numbers of units, axles and strips."""
-    return fleet.units.shape[1], fleet.axles.shape[1], fleet.strips.shape[1]
+    counts = (part.shape[1] for part in (fleet.units, fleet.axles, fleet.strips))
+    return workspace(*counts, points, len(fleet.profile), rows)
 
 
 def call(

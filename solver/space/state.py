@@ -201,13 +201,19 @@ def workspace(units: int, axles: int, strips: int, points: int, facets: int, row
     )  # fmt: skip
 
 
+def column_names(units: int, axles: int) -> tuple[str, ...]:
+    """Return the column names of a row."""
+    ends = ("", *(f"_{unit}" for unit in range(2, units + 1)))
+    poses = [f"{name}{end}" for end in ends for name in POSE]
+    wheels = [f"{name}_{axle}" for axle in range(1, axles + 1) for name in WHEELS]
+    pulls = [f"{name}_{hinge}" for hinge in range(1, units) for name in HINGE]
+    return (*FORCES, *SENSOR, *WORKS, *ENERGIES, *poses, *wheels, *pulls)
+
+
 def row_columns(units: int, axles: int, strips: int) -> int:
     """Return the number of columns of a row."""
-    columns = len(FORCES + SENSOR + WORKS + ENERGIES) + len(POSE) * units + len(WHEELS) * axles
-    return columns + len(HINGE) * (units - 1) + 2 * strips
+    return len(column_names(units, axles)) + 2 * strips
 
 
-def rolls(units: int) -> slice:
-    """Return the columns of a row with the rolls of all units."""
-    first = len(FORCES + SENSOR + WORKS + ENERGIES)
-    return slice(first + POSE.index("roll"), first + len(POSE) * units, len(POSE))
+FIRST_ROLL = column_names(1, 0).index("roll")
+"""Column of the roll of the first unit in a row."""

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from space_vehicles import ANGLE, MASS, SPEED, axle, truck, truck_unit
 
+from machine_code.compiled import ignore_compiling
 from solver.body import GRAVITY
 from solver.impact.strikes import nearest
 from solver.space import (
@@ -20,7 +21,6 @@ from solver.space import (
     SpaceWall,
     accuracy,
     lowest_wall,
-    lowest_walls,
     solve_space,
     solve_spaces,
     state,
@@ -193,7 +193,8 @@ def test_stated_error_bounds_that_of_step_and_points(profile, height, count, mos
         value, true = float(getattr(motion.answers, name)), float(getattr(fine.answers, name))
         assert abs(value - true) <= motion.error * max(abs(true), least)
     lowest, error = lowest_wall(vehicle, wall, SPEED, ANGLE)
-    true = lowest_walls(truck(), wall, SPEED, ANGLE, refine=4, finer=8)[0, 0]
+    fleet = fleet_of(truck(), wall, SPEED, ANGLE)
+    true = searched_walls(fleet, SCAN, 4, 8, ignore_compiling)[0, 0]
     assert abs(lowest - true) <= error < 0.5
 
 
@@ -290,11 +291,10 @@ def test_vehicle_with_its_centre_behind_a_low_wall_is_over_it(profile, speed, fr
 def test_lowest_wall_about_the_centre_of_mass():
     """The search goes a step above it, and its error decides."""
     angles, centre, wall = np.linspace(0.525, 0.575, 11), 1.35, SpaceWall(0.9, friction=0.3)
-    walls = searched_walls(fleet_of(truck(), wall, SPEED, angles), SCAN, 1, 1, lambda *_: None)[:, 0]
+    walls = searched_walls(fleet_of(truck(), wall, SPEED, angles), SCAN, 1, 1, ignore_compiling)[:, 0]
     above = walls > centre
     assert 2 < above.sum() < 9
     assert walls.max() <= centre + SCAN
-    assert np.isnan(lowest_walls(truck(), wall, SPEED, angles)[:, 0]).tolist() == above.tolist()
     for change, outcome in ((0.0, "upright"), (-1e-3, "on its side")):
         tried = replace(wall, height=walls[above] + change)
         answers = solve_spaces(truck(), tried, SPEED, angles[above])
