@@ -12,10 +12,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 
 from fem.laws.materials import StVenantKirchhoff
-from fem.plate.discretisation import Discretisation, ElementTable, Hourglass
+from fem.plate.discretisation import Discretisation, Hourglass, hourglass_matrix, stiffness_matrix
 from fem.plate.spectrum import FREE, Spectrum
 from fem.plate.support import Support
 
@@ -66,7 +65,7 @@ class Windows:
     ) -> None:
         self._nodes = discretisation.table.connectivity
         self._cells = _lattice(discretisation.positions[:, self._nodes])
-        self._stiffness = element_stiffness(discretisation.table, moduli, hourglass)
+        self._table, self._moduli, self._hourglass = discretisation.table, moduli, hourglass
         self._parts, self._surplus = _element_masses(self._nodes, masses)
 
     @property
@@ -111,44 +110,14 @@ class Windows:
         local = local.reshape(elements.shape)
         masses = np.bincount(local.ravel(), np.repeat(self._parts, elements.shape[1])) / self._surplus
         local_support = support._replace(nodes=tuple(np.searchsorted(used, support.nodes).tolist()))
-        spectrum = Spectrum(_assembled(self._stiffness, local, used.size), masses, local_support)
+        table = self._table._replace(connectivity=local)
+        stiffness = stiffness_matrix(table, self._moduli)
+        if self._hourglass is not None:
+            stiffness = stiffness + hourglass_matrix(table, self._hourglass, used.size)
+        spectrum = Spectrum(stiffness, masses, local_support)
         mode = np.zeros((2, int(self._nodes.max()) + 1))
         mode[:, used] = spectrum.mode
         return WindowBound(spectrum.bound, mode if support.nodes else None)
-
-
-def element_stiffness(
-    table: ElementTable, moduli: StVenantKirchhoff, hourglass: Hourglass | None = None
-) -> np.ndarray:
-    """Return the stiffness [N/m] of one of congruent elements.
-
-    All x unknowns come first, then all y.
-    """
-    gradients = table.gradients.reshape(len(table.weights), -1, 2)
-    xx, yy, xy = (
-        np.einsum("p,pa,pb->ab", table.weights[:, 0], gradients[:, :, k], gradients[:, :, m])
-        for k, m in ((0, 0), (1, 1), (0, 1))
-    )
-    k_11, k_12 = moduli.c_11 * xx + moduli.c_33 * yy, moduli.c_12 * xy + moduli.c_33 * xy.T
-    blocks = np.array([[k_11, k_12], [k_12.T, moduli.c_11 * yy + moduli.c_33 * xx]])
-    if hourglass is not None:
-        vector, (h_11, h_22, h_12) = hourglass.vectors[:, 0], hourglass.stiffness[:, 0]
-        blocks += np.einsum("ij,a,b->ijab", [[h_11, h_12], [h_12, h_22]], vector, vector)
-    return blocks.transpose(0, 2, 1, 3).reshape(2 * len(k_11), -1)
-
-
-def _assembled(stiffness: np.ndarray, nodes: np.ndarray, count: int) -> sp.csr_matrix:
-    """Assemble the stiffness matrix of congruent elements, shape (2 count, 2 count).
-
-    nodes: shape (nodes per element, elements).
-    """
-    unknowns = np.concatenate([nodes, nodes + count])
-    rows, columns = (
-        np.broadcast_to(unknown, (len(stiffness), *unknowns.shape))
-        for unknown in (unknowns[:, None], unknowns)
-    )
-    values = np.broadcast_to(stiffness[:, :, None], rows.shape)
-    return sp.csr_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape=(2 * count, 2 * count))
 
 
 def _element_masses(nodes: np.ndarray, masses: np.ndarray) -> tuple[np.ndarray, float]:
