@@ -59,7 +59,9 @@ def _bounds(code: FunctionText, lower: Number | None, upper: Number | None, size
     A slice ends with the array.
     """
     begin = "0" if lower is None else _clipped(code, lower, size)
-    end = size if upper is None else _lesser(code, _clipped(code, upper, size), size)
+    end = size
+    if upper is not None:
+        end = code.value(f"call i64 @llvm.smin.i64(i64 {_clipped(code, upper, size)}, i64 {size})")
     if begin == "0":
         return begin, end
     length = code.whole("sub", end, begin)
@@ -70,10 +72,6 @@ def _clipped(code: FunctionText, bound: Number, size: str) -> str:
     """Return a bound of a slice that is not negative."""
     place = _from_end(code, bound, size)
     return place if place == bound.operand else code.value(f"call i64 @llvm.smax.i64(i64 {place}, i64 0)")
-
-
-def _lesser(code: FunctionText, a: str, b: str) -> str:
-    return code.value(f"call i64 @llvm.smin.i64(i64 {a}, i64 {b})")
 
 
 def _from_end(code: FunctionText, index: Number, size: str) -> str:
@@ -104,10 +102,7 @@ def load_item(code: FunctionText, array: Array) -> Value:
         return code.number(LOGICAL, f"trunc i8 {operand} to i1")
     if kind in (FLOAT, INTEGER):
         return Number(kind, operand)
-    if kind == "float":
-        return code.number(FLOAT, f"fpext float {operand} to double")
-    extension = "zext" if array.item.isupper() else "sext"
-    return code.number(INTEGER, f"{extension} {kind} {operand} to i64")
+    return code.number(INTEGER, f"sext {kind} {operand} to i64")
 
 
 def store_item(code: FunctionText, array: Array, value: Value) -> None:
@@ -122,9 +117,8 @@ def store_item(code: FunctionText, array: Array, value: Value) -> None:
     number = as_number(value)
     if array.item == "?":
         operand = code.value(f"zext i1 {code.truth(number).operand} to i8")
-    elif kind in ("float", FLOAT):
+    elif kind == FLOAT:
         operand = code.converted(number, FLOAT).operand
-        operand = code.value(f"fptrunc double {operand} to float") if kind == "float" else operand
     else:
         operand = code.converted(number, INTEGER).operand
         operand = operand if kind == INTEGER else code.value(f"trunc i64 {operand} to {kind}")
@@ -133,16 +127,6 @@ def store_item(code: FunctionText, array: Array, value: Value) -> None:
 
 def fill(code: FunctionText, array: Array, value: Value) -> None:
     """Store a number in all items of an array."""
-    counter = code.slot(INTEGER)
-    head, body, after = (code.new_block() for _ in range(3))
-    code.add(f"store i64 0, ptr {counter}")
-    code.jump(head)
-    code.begin(head)
-    i = code.value(f"load i64, ptr {counter}")
-    code.branch(code.value(f"icmp slt i64 {i}, {array.shape[0]}"), body, after)
-    code.begin(body)
-    part = part_of(code, array, [Number(INTEGER, i)])
-    (fill if part.shape else store_item)(code, part, value)
-    code.add(f"store i64 {code.value(f'add nsw i64 {i}, 1')}, ptr {counter}")
-    code.jump(head)
-    code.begin(after)
+    with code.loop("0", array.shape[0]) as (i, _, _):
+        part = part_of(code, array, [Number(INTEGER, i)])
+        (fill if part.shape else store_item)(code, part, value)

@@ -34,15 +34,12 @@ def complex_binary(code: FunctionText, operator: ast.operator, first: Value, sec
     def product(a: Number, b: Number) -> Number:
         return binary(code, ast.Mult(), a, b)
 
-    def combined(operation: ast.operator, a: Number, b: Number) -> Number:
-        return binary(code, operation, a, b)
-
     (a, b), (c, d) = _parts(first), _parts(second)
     if isinstance(operator, ast.Add | ast.Sub):
-        return Record(complex, (combined(operator, a, c), combined(operator, b, d)))
+        return Record(complex, (binary(code, operator, a, c), binary(code, operator, b, d)))
     if isinstance(operator, ast.Mult):
-        real_part = combined(ast.Sub(), product(a, c), product(b, d))
-        return Record(complex, (real_part, combined(ast.Add(), product(a, d), product(b, c))))
+        real_part = binary(code, ast.Sub(), product(a, c), product(b, d))
+        return Record(complex, (real_part, binary(code, ast.Add(), product(a, d), product(b, c))))
     if not isinstance(operator, ast.Div):
         refuse(f"operator {type(operator).__name__} of complex numbers")
     return Record(complex, _quotient(code, (a, b), (c, d)))

@@ -4,6 +4,8 @@ import functools
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from machine_code import arithmetic
 from machine_code.expressions import Arguments
 from machine_code.llvm_text import FunctionText
@@ -21,7 +23,6 @@ from machine_code.object_code import (
 from machine_code.statements import METADATA
 from machine_code.translate import Resolve, Translation
 from machine_code.values import (
-    ITEMS,
     LOGICAL,
     NOTHING,
     Array,
@@ -130,13 +131,9 @@ def _argument(kind: Any, kinds: Iterator[Any], operands: Iterator[str], code: Fu
         if layout == "C":
             strides.append(code.product(shape[axis + 1], strides[-1]) if strides else "1")
         else:
-            strides.append(code.value(f"sdiv exact i64 {sizes[dimensions + axis]}, {_bytes_of(item)}"))
+            size = np.dtype(item).itemsize
+            strides.append(code.value(f"sdiv exact i64 {sizes[dimensions + axis]}, {size}"))
     return Array(item, data, shape, tuple(reversed(strides)))
-
-
-def _bytes_of(item: str) -> int:
-    """Return the size of an item of an array."""
-    return {"double": 8, "i64": 8, "i32": 4, "i8": 1, "{double, double}": 16}[ITEMS[item]]
 
 
 def _result_of(value: Value) -> Result:

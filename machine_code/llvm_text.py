@@ -1,5 +1,8 @@
 """Text of a function in LLVM's language, block by block."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from machine_code.values import FLOAT, INTEGER, LOGICAL, NAMES, RANKS, Number, integer, logical, real, refuse
 
 FUSED, REORDERED = "contract", "contract reassoc nsz"
@@ -112,6 +115,31 @@ class FunctionText:
                     block.assigned = here.assigned & (
                         here.assigned if block.assigned is None else block.assigned
                     )
+
+    @contextmanager
+    def loop(
+        self, start: str, stop: str, step: int = 1, properties: str = ""
+    ) -> Iterator[tuple[str, Block, Block]]:
+        """Repeat the instructions of the block for each integer of a range.
+
+        Yields the integer, and the blocks of the next integer and behind the loop. properties: of the loop.
+        """
+        counter = self.slot(INTEGER)
+        head, body, later, after = (self.new_block() for _ in range(4))
+        self.add(f"store i64 {start}, ptr {counter}")
+        self.jump(head)
+        self.begin(head)
+        i = self.value(f"load i64, ptr {counter}")
+        self.branch(self.value(f"icmp {'slt' if step > 0 else 'sgt'} i64 {i}, {stop}"), body, after)
+        self.begin(body)
+        yield i, later, after
+        self.jump(later)
+        self.begin(later)
+        following = self.value(f"add nsw i64 {self.value(f'load i64, ptr {counter}')}, {step}")
+        self.add(f"store i64 {following}, ptr {counter}")
+        self.jump(head)
+        self.block.lines[-1] += properties
+        self.begin(after)
 
     def check(self, condition: str) -> None:
         """End the process where a condition fails, if that is checked."""

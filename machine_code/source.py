@@ -217,32 +217,25 @@ def bound_once(node: Function) -> set[str]:
     """
     places: dict[str, list[Place]] = {name: [()] for name in parameters_of(node)}
     uses: list[tuple[str, Place]] = []
-    _visit(body_of(node), (), places, uses)
+    _visit(list(map(_Part, body_of(node))), (), places, uses)
     late = {name for name, place in uses if name in places and not _is_before(places[name][0], place)}
     return {name for name, assigned in places.items() if len(assigned) == 1} - late
 
 
 def _visit(
-    body: list[ast.stmt], around: Place, places: dict[str, list[Place]], uses: list[tuple[str, Place]]
+    body: list[_Part], around: Place, places: dict[str, list[Place]], uses: list[tuple[str, Place]]
 ) -> None:
     """Collect the assignments and uses of names in a block."""
-    for number, statement in enumerate(body):
+    for number, part in enumerate(body):
         place = (*around, (id(body), number))
-        blocks = [getattr(statement, part, []) for part in ("body", "orelse")]
-        target_place = place
-        if isinstance(statement, ast.For):
-            target_place = (*place, (id(statement.body), -1))
-        for child in ast.iter_child_nodes(statement):
-            if isinstance(child, ast.stmt):
-                continue
-            for name in ast.walk(child):
-                if isinstance(name, ast.Name) and isinstance(name.ctx, ast.Store):
-                    places.setdefault(name.id, []).append(target_place)
-                    if isinstance(statement, ast.AugAssign):
-                        places[name.id].append(target_place)
-                elif isinstance(name, ast.Name):
-                    uses.append((name.id, place))
-        for block in blocks:
+        is_loop, is_changed = (isinstance(part.statement, kind) for kind in (ast.For, ast.AugAssign))
+        target_place = (*place, (id(part.blocks[0]), -1)) if is_loop else place
+        for node in (node for nodes in part.own.values() for node in nodes):
+            if isinstance(node.ctx, ast.Store):
+                places.setdefault(node.id, []).extend([target_place] * (1 + is_changed))
+            else:
+                uses.append((node.id, place))
+        for block in part.blocks:
             _visit(block, place, places, uses)
 
 

@@ -216,25 +216,11 @@ class Statements(Expressions):
         step = step or integer(1)
         if not step.constant:
             refuse("a range with a variable step")
-        code, counter = self.code, self.code.slot(INTEGER)
-        head, body, later, after = (code.new_block() for _ in range(4))
-        code.add(f"store i64 {start.operand}, ptr {counter}")
-        code.jump(head)
-        code.begin(head)
-        i = code.value(f"load i64, ptr {counter}")
-        comparison = "slt" if step.constant > 0 else "sgt"
-        code.branch(code.value(f"icmp {comparison} i64 {i}, {stop.operand}"), body, after)
-        code.begin(body)
-        self._assign(node.target, Number(INTEGER, i) if over is None else load(self.code, over, i))
-        self._loop_body(node.body, later, after)
-        code.jump(later)
-        code.begin(later)
-        following = code.value(f"add nsw i64 {code.value(f'load i64, ptr {counter}')}, {step.operand}")
-        code.add(f"store i64 {following}, ptr {counter}")
-        code.jump(head)
-        if self._is_compact and stop.constant is None:
-            code.block.lines[-1] += f", !llvm.loop {SHORT_LOOP}"
-        code.begin(after)
+        properties = f", !llvm.loop {SHORT_LOOP}" if self._is_compact and stop.constant is None else ""
+        loop = self.code.loop(start.operand, stop.operand, int(step.constant), properties)
+        with loop as (i, later, after):
+            self._assign(node.target, Number(INTEGER, i) if over is None else load(self.code, over, i))
+            self._loop_body(node.body, later, after)
 
     def _loop_body(self, statements: list[ast.stmt], later: Block, after: Block) -> None:
         self._loops.append((later, after))
