@@ -143,7 +143,7 @@ def power_text(value: float) -> str:
 
     Values from a thousandth to ten thousand are written plainly.
     """
-    if value == 0.0 or SMALLEST * 9.99 < abs(value) < 1e4:
+    if value == 0.0 or not math.isfinite(value) or SMALLEST * 9.99 < abs(value) < 1e4:
         return f"{value:g}".replace("-", "−")
     digits, power = f"{value:.3g}".split("e") if "e" in f"{value:.3g}" else f"{value:.2e}".split("e")
     factor = f"{float(digits):g}".replace("-", "−")

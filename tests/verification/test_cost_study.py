@@ -107,6 +107,23 @@ def test_the_limit_s_meshes_are_halves_of_each_other():
     assert meshes == [(8, 2), (16, 4), (32, 8)]
 
 
+def test_the_length_of_the_scene_spans_an_element_of_every_mesh_of_the_limit():
+    case = ImpactCase(*read_scene("impact-flexible-tl4-sut"))
+    todo, changes, length = cost_settings.impact_settings(case)
+    assert (length, changes["contact.patch_length"]) == (0.5, 0.5)
+    for setting in (s for s in todo if s.group == "quad9"):
+        assert case.varied({**changes, **setting.changes}).plan().plate.elements
+
+
+def test_a_study_without_a_limit_has_a_page():
+    case = ImpactCase(*read_scene("impact-flexible-tl4-sut"))
+    todo = [Setting("ode", "rigid vehicle", "fixed step"), Setting(FE, "quad4", "8 x 2")]
+    records = [record(dict.fromkeys(cost_study.NAMES, 1.0)), {"refused": "no"}]
+    rows = [row_of(*pair, cost_study.NO_LIMIT) for pair in zip(todo, records, strict=True)]
+    page = report(cost_study.CostResult(case, rows, cost_study.NO_LIMIT, patch=0.5)).page
+    assert "the rigid vehicle differs by unknown" in page.headline.answer
+
+
 def test_rigid_methods_are_as_good_as_they_say():
     exact = measure(STUDIED.source, Setting(EXACT, "exact", "closed form"))
     assert largest_relative(exact["values"], STUDIED.tail_slap) == 0.0

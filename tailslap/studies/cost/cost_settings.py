@@ -1,5 +1,6 @@
 """Methods and settings whose cost is measured."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -127,10 +128,12 @@ def impact_settings(case: ImpactCase) -> tuple[list[Setting], Changes, float]:
     plate, contact = case.plan().plate, case.scene.needed_contact
     mesh = {"plate.element": "quad4", "plate.elements": plate.counts}
     elements = ("tri3", "tri6", "quad4-reduced")
+    # A length in the scene is at least half an element of the coarsest quad9.
+    coarsest = 1.0 if (contact.patch_length or math.inf) < case.vehicle.length / plate.counts[0] else 0.5
     chosen = [
         Setting(ODE, RIGID_VEHICLE, "fixed step"),
-        *(_mesh("quad4", factor, "quad4", plate.counts) for factor in (0.5, 1.0, 2.0, 4.0)),
-        *(_mesh("quad9", factor, "quad9", plate.counts) for factor in (0.5, 1.0, 2.0)),
+        *(_mesh("quad4", coarsest * factor, "quad4", plate.counts) for factor in (1.0, 2.0, 4.0, 8.0)),
+        *(_mesh("quad9", coarsest * factor, "quad9", plate.counts) for factor in (1.0, 2.0, 4.0)),
         *(Setting(FE, ELEMENTS, name, {**mesh, "plate.element": name}) for name in elements),
         *_values(STEP, (0.45, 0.225), mesh),
         *_values(DAMPING, (0.01, 0.1), mesh),
