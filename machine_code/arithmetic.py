@@ -7,18 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from machine_code.llvm_text import FunctionText
-from machine_code.values import (
-    EXACT,
-    FLOAT,
-    INTEGER,
-    LOGICAL,
-    NAMES,
-    Number,
-    integer,
-    logical,
-    real,
-    refuse,
-)
+from machine_code.values import EXACT, FLOAT, INTEGER, LOGICAL, NAMES, Number, integer, logical, real, refuse
 
 Function = Callable[..., Number]
 

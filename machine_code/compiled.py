@@ -17,13 +17,7 @@ from typing import Any, Protocol
 
 from machine_code import object_code
 from machine_code.captures import CHOICES, Captures, Choose
-from machine_code.object_code import (
-    Bind,
-    Kinds,
-    flattened,
-    type_text,
-    value_codes,
-)
+from machine_code.object_code import Bind, Kinds, flattened, type_text, value_codes
 from machine_code.system import folder
 from machine_code.values import Implementation, Nothing, Record, Value, refuse
 

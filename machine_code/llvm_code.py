@@ -22,16 +22,7 @@ from machine_code.object_code import (
 )
 from machine_code.statements import METADATA
 from machine_code.translate import Resolve, Translation
-from machine_code.values import (
-    LOGICAL,
-    NOTHING,
-    Array,
-    Implementation,
-    Nothing,
-    Number,
-    Record,
-    Value,
-)
+from machine_code.values import LOGICAL, NOTHING, Array, Implementation, Nothing, Number, Record, Value
 
 if TYPE_CHECKING:
     from llvmlite.binding import ModuleRef, TargetMachine
@@ -42,10 +33,7 @@ SPEED = 3
 TYPES = {"d": "double", "q": "i64", "b": "i64", "P": "ptr"}
 """LLVM's types by the codes of arguments."""
 
-ATTRIBUTES = (
-    "attributes #0 = { nounwind }",
-    "attributes #1 = { nounwind willreturn memory(none) }",
-)
+ATTRIBUTES = ("attributes #0 = { nounwind }", "attributes #1 = { nounwind willreturn memory(none) }")
 """Properties of the program's functions, and of those of the mathematics library."""
 
 

@@ -44,12 +44,7 @@ class Translation:
         self._merging: list[object] = []
         self._numbers = itertools.count()
 
-    def kernel(
-        self,
-        called: Implementation,
-        symbol: str,
-        read: Callable[[FunctionText], Arguments],
-    ) -> Value:
+    def kernel(self, called: Implementation, symbol: str, read: Callable[[FunctionText], Arguments]) -> Value:
         """Translate a kernel.
 
         It writes the numbers of its result behind one another. read: reads its arguments from the memory at

@@ -16,13 +16,7 @@ from postprocess.units import SYSTEMS
 from tailslap.arguments import UnitSystem, checked_arguments, picture_pixels
 from tailslap.case.case import Case
 from tailslap.case.force_band import ForceBand
-from tailslap.case.of_arguments import (
-    Changes,
-    Scene,
-    affordable_case,
-    case_of_scene,
-    folder_or_temporary,
-)
+from tailslap.case.of_arguments import Changes, Scene, affordable_case, case_of_scene, folder_or_temporary
 from tailslap.result import columns, load, result
 from tailslap.storage.folder import result_folder
 from tailslap.studies import find_study

@@ -41,9 +41,7 @@ UNDONE = "interrupted; nothing was written, and no progress is saved"
 
 STDERR = 2
 
-ENVIRONMENT = {
-    "SOURCE_DATE_EPOCH": ("[0-9]{1,11}", "a whole number of seconds since 1970"),
-}
+ENVIRONMENT = {"SOURCE_DATE_EPOCH": ("[0-9]{1,11}", "a whole number of seconds since 1970")}
 """Environment variables with which libraries fail on import: pattern of their values, and its description."""
 
 FOLDERS = tuple(

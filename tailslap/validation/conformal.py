@@ -42,10 +42,7 @@ def held_of_left_out(scores: Sequence[float], studies: Sequence[str]) -> list[bo
 
 
 def calibration_of(
-    name: str,
-    published: Sequence[float],
-    bands: Sequence[tuple[float, float, float]],
-    studies: Sequence[str],
+    name: str, published: Sequence[float], bands: Sequence[tuple[float, float, float]], studies: Sequence[str]
 ) -> Calibration:
     """Return the calibration of a class of vehicles.
 
