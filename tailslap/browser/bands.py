@@ -58,7 +58,7 @@ def solve_band(nominal, values, parts, ranges, classes, growth, case, outcome, m
     (n,); percentiles, shape (2, m): their places and results. Returns the reason why there is no band with its item,
     the verdict on a motion, the number of ranges, and the class of vehicles by which the band is calibrated, or -1.
     """
-    complete(nominal, parts, 0)
+    complete(nominal, parts)
     varied, item = spread(nominal, values, ranges)
     if item >= 0:
         return ENDS, item, 0, varied, -1

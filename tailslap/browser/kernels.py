@@ -96,7 +96,7 @@ def solve_motion(values, parts, case, outcome, motion, paper):
 
     Returns the reason why there is none with its item, the verdict, and the number of instants.
     """
-    complete(values, parts, 0)
+    complete(values, parts)
     paper.mean[0] = paper_mean(values, paper.columns, paper.sign) if paper.columns[0] >= 0 else np.nan
     reason, item = assemble(values, parts, case[0], case[1], case[2], 0)
     if reason != POSSIBLE:
@@ -115,12 +115,8 @@ def paper_mean(values, columns, sign):
 
     NaN where the stages have no solution, as their rules demand.
     """
-    speed, theta, mu, e = (
-        values[columns[0], 0],
-        values[columns[1], 0],
-        values[columns[2], 0],
-        values[columns[3], 0],
-    )
+    speed, theta = values[columns[0], 0], values[columns[1], 0]
+    mu, e = values[columns[2], 0], values[columns[3], 0]
     length, width, mass = values[columns[4], 0], values[columns[5], 0], values[columns[6], 0]
     gamma, radius = math.atan2(width, length), math.hypot(length, width) / 2.0
     phi = theta + gamma
@@ -141,7 +137,7 @@ def paper_mean(values, columns, sign):
 @compiled
 def sample(outcome, end, motion):
     """Fill the motion at even instants, and return their number."""
-    strikes = outcome.strikes[0]
+    rows, interval, strikes = outcome.rows[0], outcome.interval[0], outcome.strikes[0]
     shortest, latest = np.inf, -np.inf
     for _ in range(motion.counted):  # in order of their starts
         start, duration = np.inf, np.inf
@@ -155,16 +151,7 @@ def sample(outcome, end, motion):
     for k in range(count):
         motion.times[k] = float(k) * step
     motion.times[count - 1] = end
-    interpolate(
-        outcome.rows[0],
-        outcome.interval[0],
-        end,
-        motion.integrals,
-        motion.rates,
-        motion.times,
-        motion.values,
-        count,
-    )
+    interpolate(rows, interval, end, motion.integrals, motion.rates, motion.times, motion.values, count)
     fill_forces(motion, count, step)
     for s in range(strikes.shape[0]):
         largest = 0.0
@@ -204,17 +191,17 @@ def fill_forces(motion, count, step):
 
 
 @compiled
-def complete(values, parts, i):
-    """Set quantities that follow from others."""
+def complete(values, parts):
+    """Set quantities of the scene that follow from others."""
     for c in range(parts.copies.shape[0]):
-        values[parts.copies[c, 0], i] = values[parts.copies[c, 1], i]
+        values[parts.copies[c, 0], 0] = values[parts.copies[c, 1], 0]
     for u in range(parts.units.shape[0]):
         columns = parts.units[u]
-        length, width, mass = values[columns[0], i], values[columns[1], i], values[columns[2], i]
+        length, width, mass = values[columns[0], 0], values[columns[1], 0], values[columns[2], 0]
         if parts.computed[u, 0] == 1:
-            values[columns[3], i] = 0.5 * length
+            values[columns[3], 0] = 0.5 * length
         if parts.computed[u, 1] == 1:
-            values[columns[4], i] = mass * (length**2 + width**2) / 12.0
+            values[columns[4], 0] = mass * (length**2 + width**2) / 12.0
 
 
 @compiled
@@ -318,10 +305,8 @@ def set_touch(values, parts, train, start, i):
     for u in range(start.shape[1]):
         if u > 0:
             behind = behind - train.hitch[u - 1, i] + train.kingpin[u - 1, i]
-        start[i, u, 0], start[i, u, 1] = (
-            half * s - centre * c - behind * c,
-            centre * s + half * c + behind * s,
-        )
+        start[i, u, 0] = half * s - centre * c - behind * c
+        start[i, u, 1] = centre * s + half * c + behind * s
         start[i, u, 2], start[i, u, 3], start[i, u, 4], start[i, u, 5] = theta, speed * c, -speed * s, 0.0
     inside = -np.inf
     for p in range(train.unit.size):

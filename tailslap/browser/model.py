@@ -98,18 +98,8 @@ def model_of(case: ImpactCase) -> Model:
     percentiles = np.array([PERCENTILES, np.zeros(len(PERCENTILES))], dtype=np.float64)
     varied = ranges_of(case, ranges, columns, count)
     samples = np.zeros((len(values), count))
-    band = (
-        table,
-        samples,
-        parts,
-        varied,
-        class_rows(case),
-        _growth(case, count),
-        *solved[1],
-        workspaces,
-        np.zeros(count),
-        percentiles,
-    )
+    motions = class_rows(case), _growth(case, count), *solved[1]
+    band = table, samples, parts, varied, *motions, workspaces, np.zeros(count), percentiles
     calls = {
         "motion": (kernels.solve_motion, (table, parts, *solved[0], motion, paper)),
         "band": (bands.solve_band, band),
@@ -271,19 +261,8 @@ def _case(
     awaited = impact.awaited(case.contact, case.lengths)
     one = rigid_motion.TRAIN_TOLERANCE if case.trailers else impact.TOLERANCE
     tolerance, interval = (MANY_TOLERANCE, rigid_motion.INTERVAL) if is_band else (one, 0.0)
-    choice, clock = timing(
-        train,
-        start,
-        tyres,
-        None,
-        None,
-        interval,
-        is_band,
-        rigid_motion.AFTER_SECOND,
-        awaited,
-        rigid_motion.LONGEST,
-        tolerance,
-    )
+    end = rigid_motion.AFTER_SECOND, awaited, rigid_motion.LONGEST
+    choice, clock = timing(train, start, tyres, None, None, interval, is_band, *end, tolerance)
     work = workspace(units, len(train.hitch), points, 1 + int(group.max()))
     rows = math.ceil(rigid_motion.LONGEST / interval) + 2 if is_band else 2 * len(case.motion.rows)
     width = 1 if is_band else case.motion.rows.shape[1]
@@ -353,18 +332,9 @@ def ranges_of(
         bounds.append(key_bounds(item.key, case))
     light = [[POUND * mass, POUND * tolerance] for mass, tolerance in LIGHT_VEHICLES.values()]
     drawn = sampling.latin_hypercube(len(ranges), count, np.random.default_rng(sampling.SEED))
-    return bands.Ranges(
-        np.array(rows),
-        np.array(widths),
-        np.array(bounds),
-        columns["vehicle.mass"],
-        np.array(light),
-        drawn,
-        np.zeros((len(ranges), 2)),
-        np.zeros(len(ranges)),
-        np.zeros((len(ranges), count)),
-        np.zeros((len(ranges), len(ranges) + 1)),
-    )
+    size, rules = len(ranges), (np.array(rows), np.array(widths), np.array(bounds))
+    room = np.zeros((size, 2)), np.zeros(size), np.zeros((size, count)), np.zeros((size, size + 1))
+    return bands.Ranges(*rules, columns["vehicle.mass"], np.array(light), drawn, *room)
 
 
 def classes_of(case: ImpactCase) -> list[VehicleClass]:

@@ -91,7 +91,6 @@ def solve_motion(values, parts, room, curves):
 
     Returns the reason why there is none with its item, and the number of rows.
     """
-    complete(values, parts)
     reason, item = prepare(values, values, parts, room, 0, False)
     if reason != POSSIBLE:
         return reason, item, 0
@@ -106,7 +105,6 @@ def solve_accurately(values, parts, room, motions, choice, curves):
 
     motions, choice: see `accuracy`. Returns as `solve_motion`.
     """
-    complete(values, parts)
     reason, item = prepare(values, values, parts, room, 0, False)
     if reason != POSSIBLE:
         return reason, item, 0
@@ -217,11 +215,8 @@ def complete(values, parts):
     """Set quantities of the scene that follow from others."""
     for u in range(parts.units.shape[0]):
         unit, computed = parts.units[u], parts.computed[u]
-        length, width, mass = (
-            values[unit[columns.LENGTH], 0],
-            values[unit[columns.WIDTH], 0],
-            values[unit[columns.MASS], 0],
-        )
+        length, width = values[unit[columns.LENGTH], 0], values[unit[columns.WIDTH], 0]
+        mass = values[unit[columns.MASS], 0]
         if computed[0] == 1:
             values[unit[columns.CENTRE], 0] = 0.5 * length
         if computed[3] == 1:
@@ -240,29 +235,25 @@ def prepare(values, nominal, parts, room, i, is_varied):
     """
     if is_varied:
         scale(values, nominal, parts, i)
+    else:
+        complete(values, parts)
     fill_values(values, nominal, parts, room, i, is_varied)
     for u in range(0 if is_varied else parts.units.shape[0]):
         unit = room.values.units[0, u]
-        length, width, mass, centre = (
-            unit[columns.LENGTH],
-            unit[columns.WIDTH],
-            unit[columns.MASS],
-            unit[columns.CENTRE],
-        )
+        length, width = unit[columns.LENGTH], unit[columns.WIDTH]
+        mass, centre = unit[columns.MASS], unit[columns.CENTRE]
         reason = body_reason(length, width, mass, centre, unit[columns.YAW])
         if reason != POSSIBLE:
-            room.limit[0] = (
-                mass * (centre * (length - centre) + 0.25 * width**2) if 0.0 < centre < length else length
-            )
+            greatest = mass * (centre * (length - centre) + 0.25 * width**2)
+            room.limit[0] = greatest if 0.0 < centre < length else length
             return reason, u
     for k in range(0 if is_varied else parts.strips.shape[0]):
         s = room.values.strips[0, k]
         reason = law_reason(s[columns.STIFFNESS], s[columns.INITIAL], s[columns.PLATEAU], s[columns.RESTITUTION],
                             s[columns.UNLOADING], s[columns.HARDENING])  # fmt: skip
         if reason != POSSIBLE:
-            room.limit[0] = (
-                s[columns.STIFFNESS] if s[columns.PLATEAU] >= s[columns.INITIAL] else s[columns.INITIAL]
-            )
+            is_plateau = s[columns.PLATEAU] >= s[columns.INITIAL]
+            room.limit[0] = s[columns.STIFFNESS] if is_plateau else s[columns.INITIAL]
             return reason, k
     reason, item, limit = fill_sample(room.values, room.fleet, 0)
     room.limit[0] = limit

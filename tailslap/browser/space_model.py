@@ -52,10 +52,8 @@ def model_of(case: ImpactCase) -> Model:
     accurate = accurate._replace(values=room.values, limit=room.limit)
     motions = accuracy.room_for(fleet, further.rows.shape[1], motion.INTERVAL)
     choice = accuracy.Choice(accuracy.POINTS, True, accuracy.TOLERANCE)
-    varied, percentiles = (
-        model.ranges_of(case, ranges, places, count),
-        [PERCENTILES, np.zeros(len(PERCENTILES))],
-    )
+    varied = model.ranges_of(case, ranges, places, count)
+    percentiles = [PERCENTILES, np.zeros(len(PERCENTILES))]
     band = (
         table, np.zeros((len(values), count)), parts, varied, model.class_rows(case), room, np.zeros(count),
         np.zeros(len(solve.OUTCOMES)), np.zeros(1, dtype=np.int64), np.array(percentiles, dtype=np.float64),
