@@ -1,15 +1,15 @@
 """Verify tyres of vehicles, trains and plates by exact forces."""
 
 import math
-from dataclasses import asdict, replace
+from dataclasses import asdict, astuple, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from crushing_plates import corner_strips
+from plane_reference import integrated
 from sampled_impacts import sampled_impacts
-from scipy.integrate import solve_ivp
 
 from fem.laws.friction import Drag
 from fem.model.impact_model import build_impact_model
@@ -126,36 +126,20 @@ def test_the_side_force_of_an_axle_that_turns_steadily(ahead):
     assert short.tyre_impulse_angular[0] / 1e-7 == pytest.approx(arm, rel=1e-6)
 
 
-def right_side(t, y, axles, loads, vehicle):
-    """Accelerations of a free vehicle on its tyres, for SciPy."""
-    _, _, theta, u, v, w = y
-    c, s, forces = math.cos(theta), math.sin(theta), np.zeros(3)
-    for axle, load in zip(axles, loads, strict=True):
-        arm = vehicle.front_distance - axle.position
-        slip = math.atan2(u * s + v * c + w * arm, max(abs(u * c - v * s), 1.0))
-        force = -axle.friction * load * math.tanh(axle.cornering * slip / axle.friction)
-        forces += force * np.array([s, c, arm])
-    return [u, v, -w, forces[0] / vehicle.mass, forces[1] / vehicle.mass, forces[2] / vehicle.inertia]
-
-
 def test_a_vehicle_on_the_road_alone_follows_its_equations():
     """1 s of a skid by SciPy, with an order of two."""
     start = ImpactState(0.0, 500.0, 0.3, 15.0, 4.0, 0.8)
     loads = loads_of(impact(end=0.01))
-    first = [start.x_g, start.y_g, start.theta, start.v_gx, start.v_gy, start.omega]
-    exact = solve_ivp(
-        right_side, (0.0, 1.0), first, "DOP853", args=(AXLES, loads, TRUCK), rtol=1e-11, atol=1e-11
-    )
+    exact = integrated(TRUCK, start, 1.0, axles=AXLES, loads=loads).end
     steps = (4e-3, 2e-3, 1e-3)
 
     def state(step):
-        end = solve_impact(TRUCK, LAW, start, end=1.0, axles=AXLES, step=step).end
-        return np.array([end.x_g, end.y_g, end.theta, end.v_gx, end.v_gy, end.omega])
+        return np.array(astuple(solve_impact(TRUCK, LAW, start, end=1.0, axles=AXLES, step=step).end))
 
-    off = [float(np.abs(state(step) - exact.y[:, -1]).max()) for step in steps]
+    off = [float(np.abs(state(step) - exact).max()) for step in steps]
     assert off[-1] < 2e-5
     assert np.polyfit(np.log(steps), np.log(off), 1)[0] == pytest.approx(2.0, abs=0.1)
-    assert state(1e-4) == pytest.approx(exact.y[:, -1], rel=1e-6, abs=1e-6)
+    assert state(1e-4) == pytest.approx(exact, rel=1e-6, abs=1e-6)
 
 
 # --- a whole impact ---
@@ -392,86 +376,3 @@ def test_axles_require_a_whole_impact():
     with pytest.raises(InputError) as caught:
         vary(read_source("mash-tl4-sut"), {"axle": TABLES})
     assert caught.value.key == "axle"
-
-
-# --- an independent integration ---
-
-
-class Peer:
-    """The rigid vehicle by classical Runge-Kutta steps.
-
-    It has corners on the crush law, Coulomb's friction and tyres.
-    """
-
-    def __init__(self, laws, friction, axles, loads):
-        (a, b), length, width = (5.5, 4.5), 10.0, 2.438
-        self.corners = [(a, -width / 2), (-b, -width / 2), (a, width / 2), (-b, width / 2)]
-        self.laws, self.friction = [laws[k % 2] for k in range(4)], friction
-        self.axles, self.loads, self.deepest, self.impulse = axles, loads, np.zeros(4), np.zeros(4)
-        self.inertia = 9979.0 * (length**2 + width**2) / 12.0
-
-    def push(self, k, depth):
-        """Force of a corner at a depth [N]."""
-        stiffness, initial, plateau, restitution, slope = self.laws[k]
-        deepest = max(self.deepest[k], depth)
-        if deepest <= 0.0:
-            return 0.0
-        peak = min(initial + stiffness * deepest, plateau)
-        if slope == 0.0:
-            yielding = min(deepest, (plateau - initial) / stiffness)
-            energy = yielding * (initial + stiffness * yielding / 2.0) + peak * (deepest - yielding)
-            slope = peak**2 / (2.0 * restitution**2 * energy)
-        return max(0.0, peak - max(slope, peak / deepest) * (deepest - depth))
-
-    def forces(self, y):
-        """Depths, forces of the corners [N], and the rate of the state."""
-        z, theta, u, v, w = y[1:]
-        c, s = math.cos(theta), math.sin(theta)
-        total, depths, pushes = np.zeros(3), np.zeros(4), np.zeros(4)
-        for k, (along, across) in enumerate(self.corners):
-            p, q = along * c + across * s, across * c - along * s
-            depths[k] = -(z + q)
-            pushes[k] = self.push(k, depths[k])
-            drag = -self.friction * pushes[k] * math.tanh((u - w * q) / 1e-3)
-            total += np.array([drag, pushes[k], p * pushes[k] - q * drag])
-        for axle, load in zip(self.axles, self.loads, strict=True):
-            arm = 5.5 - axle.position
-            slip = math.atan2(u * s + v * c + w * arm, max(abs(u * c - v * s), 1.0))
-            side = -axle.friction * load * math.tanh(axle.cornering * slip / axle.friction)
-            total += side * np.array([s, c, arm])
-        return depths, pushes, np.array([u, v, -w, *(total / (9979.0, 9979.0, self.inertia))])
-
-    def run(self, start, end, step):
-        """Impulses of the corners over the motion [N s]."""
-        y = np.array(start)
-        for _ in range(round(end / step)):
-            depths, one, first = self.forces(y)
-            self.deepest = np.maximum(self.deepest, depths)
-            second = self.forces(y + 0.5 * step * first)
-            third = self.forces(y + 0.5 * step * second[2])
-            fourth = self.forces(y + step * third[2])
-            self.impulse += step / 6.0 * (one + 2.0 * second[1] + 2.0 * third[1] + fourth[1])
-            y = y + step / 6.0 * (first + 2.0 * second[2] + 2.0 * third[2] + fourth[2])
-        return self.impulse
-
-
-PEERS = {
-    "plateau": ((2e6, 0.0, 3.5e5, 0.2, 0.0),) * 2,
-    "rear by its slope": ((2e6, 0.0, 3.5e5, 0.3, 0.0), (1.5e6, 0.0, 3e5, 0.0, 1.2e7)),
-    "initial force": ((1.5e6, 5e4, 3e5, 0.3, 0.0), (1.5e6, 3e4, 2.5e5, 0.25, 0.0)),
-}
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("name", PEERS)
-def test_impulses_are_those_of_an_independent_integration(name):
-    """Compare over 0.5 s, with a steep slope in Coulomb's law."""
-    front, rear = (CrushLaw(k, f, e, fy, slope) for k, f, fy, e, slope in PEERS[name])
-    state, law = first_touch(TRUCK, ANGLE, SPEED), both_ends(0.3, TRUCK.length, front, rear)
-    motion = solve_impact(TRUCK, law, state, end=0.5, axles=AXLES, tolerance=1e-7)
-    impulses = dict.fromkeys(("front", "rear"), 0.0)
-    for strike in motion.strikes:
-        impulses[strike.corner] += strike.impulse
-    start = [state.x_g, state.y_g, state.theta, state.v_gx, state.v_gy, state.omega]
-    peer = Peer(PEERS[name], 0.3, AXLES, loads_at_rest(TRUCK, law, axles=AXLES)).run(start, 0.5, 2e-5)
-    assert [impulses["front"], impulses["rear"]] == pytest.approx(peer[:2], abs=1e-4 * peer.max())
