@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from crushing_plates import corner_strips
 from sampled_impacts import corner_tables, sampled_impacts
+from test_impact_rigid import BOX, CLOSING, UPRIGHT, head_on
 
 from fem.laws.contact_forces import PointCrush, crush_line, loading_depth, loading_force
 from fem.laws.friction import Drag
@@ -20,7 +21,7 @@ from fem.plate.properties import ContactProperties, PlateProperties, StepPropert
 from fem.run.impact import FirstTouch, simulate_impact
 from meshes import plate_mesh
 from solver import RigidBodyError
-from solver.impact import CrushLaw, ImpactState, ImpactVehicle, Strip, WallContact, first_touch, solve_impact
+from solver.impact import CrushLaw, ImpactVehicle, Strip, WallContact, first_touch, solve_impact
 from tailslap import cli
 from tailslap.case.impact import run
 from tailslap.case.impact.case import ImpactCase
@@ -31,9 +32,7 @@ from tailslap.scene.vary import vary
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SCENE, TRAIN_SCENE = str(EXAMPLES / "linear-truck.toml"), str(EXAMPLES / "linear-train.toml")
-BOX = ImpactVehicle(4.0, 2.0, 1500.0)
-UPRIGHT = math.pi / 2.0 - math.atan(0.5)  # the front corner is below the centre of mass
-K, CLOSING = 2e6, 7.0
+K = 2e6
 LAWS: dict[str, dict[str, Any]] = {
     "plateau": {"plateau_force": 2e5, "restitution": 0.22},
     "plateau at the initial force": {"initial_force": 2e5, "plateau_force": 2e5, "restitution": 0.1},
@@ -47,6 +46,15 @@ LAWS: dict[str, dict[str, Any]] = {
         "plateau_force": 1e5,
         "hardening": 1.2e6,
         "unloading_stiffness": 8e6,
+    },
+}
+RIGID = {
+    **LAWS,
+    **{f"e {e}": {"restitution": e} for e in (0.0, 0.05, 0.22, 0.5, 0.9, 1.0)},
+    **{
+        f"initial force {force}, e {e}": {"initial_force": force, "restitution": e}
+        for force in (1e4, 3e5)
+        for e in (0.0, 0.22, 0.7)
     },
 }
 
@@ -76,13 +84,12 @@ def point_mass(
     return crush, peak, duration, peak / math.sqrt(slope * mass), crush - peak / slope
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", RIGID)
 def test_a_rigid_point_mass_on_the_law(name):
-    crush, peak, duration, exit_speed, residual = point_mass(**LAWS[name])
-    start = ImpactState(0.0, math.hypot(2.0, 1.0), UPRIGHT, 0.0, -CLOSING, 0.0)
-    law = WallContact(CrushLaw(K, **LAWS[name]), 0.0)
-    motion = solve_impact(BOX, law, start, end=0.3, tolerance=1e-7)
+    crush, peak, duration, exit_speed, residual = point_mass(**RIGID[name])
+    motion = head_on(CrushLaw(K, **RIGID[name]), tolerance=1e-7)
     (strike,) = motion.strikes
+    assert (strike.corner, motion.error < 1e-5) == ("front", True)
     assert strike.peak_force == pytest.approx(peak, rel=1e-6)
     assert strike.duration == pytest.approx(duration, rel=1e-5)
     assert motion.end.v_gy == pytest.approx(exit_speed, rel=1e-6, abs=1e-6 * CLOSING)
@@ -93,6 +100,7 @@ def test_a_rigid_point_mass_on_the_law(name):
     at = motion.at([motion.t_end])
     lost = 0.5 * BOX.mass * (CLOSING**2 - exit_speed**2)
     assert at.crush_energy_lost[0] + at.crush_energy_stored[0] == pytest.approx(lost, rel=1e-6, abs=0.05)
+    assert strike.energy_absorbed == pytest.approx(lost, rel=1e-5, abs=0.5)
 
 
 def test_samples_on_the_law():

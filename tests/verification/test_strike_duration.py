@@ -5,15 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from test_impact_rigid import BOX, head_on
 
-from solver.impact import (
-    CrushLaw,
-    ImpactState,
-    ImpactVehicle,
-    WallContact,
-    solve_impact,
-    stiffness_of_duration,
-)
+from solver.impact import CrushLaw, stiffness_of_duration
 from tailslap import InputError
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene, read_source
@@ -28,11 +22,8 @@ TRUCK = (9979.0, None, 10.0, 2.438, 5.0)
 @pytest.mark.parametrize("e", [0.0, 0.22, 0.9])
 def test_a_point_mass_strikes_for_that_long(e):
     """k of the effective mass lasts dt = (pi/2)(1 + e) sqrt(m/k)."""
-    box = ImpactVehicle(4.0, 2.0, 1500.0)
-    k = stiffness_of_duration(0.1, e, box.mass, None, 4.0, 2.0, 4.0)  # no arm: the centre of mass at the rear
-    start = ImpactState(0.0, math.hypot(2.0, 1.0), math.pi / 2.0 - math.atan(0.5), 0.0, -7.0, 0.0)
-    contact = WallContact(CrushLaw(k, 0.0, e), 0.0)
-    (strike,) = solve_impact(box, contact, start, end=0.3, tolerance=1e-6).strikes
+    k = stiffness_of_duration(0.1, e, BOX.mass, None, 4.0, 2.0, 4.0)  # no arm: the centre of mass at the rear
+    (strike,) = head_on(CrushLaw(k, 0.0, e), tolerance=1e-6).strikes
     assert strike.duration == pytest.approx(0.1, rel=1e-5)
 
 
