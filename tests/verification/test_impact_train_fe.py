@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from crushing_plates import corner_strips
 from scipy.linalg import eigh, null_space
+from test_trains import ANGLE, HITCH, KINGPIN, MU, SPEED, TRACTOR, TRAILER, flown, train_run
 
 from fem.explicit.impact_loop import ImpactMeasures
 from fem.laws.friction import Drag
@@ -31,20 +32,13 @@ from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
 from fem.start.equilibrium import elastic_forces
 from meshes import plate_mesh
 from solver.impact import (
-    CrushLaw,
     HitchedVehicle,
     ImpactVehicle,
-    WallContact,
     first_touch,
-    solve_trains,
     strikes_of,
-    train_of,
 )
 
-TRACTOR = ImpactVehicle(6.9, 2.44, 8200.0, 2.9, 34621.0)
-TRAILER = ImpactVehicle(14.6, 2.59, 27770.0, 8.0, 497057.0)
-HINGE = (5.6, 0.9)
-ANGLE, SPEED, MU = math.radians(15.0), 22.35, 0.47
+HINGE = (HITCH, KINGPIN)
 TOUCH = FirstTouch(ANGLE, SPEED * math.cos(ANGLE), -SPEED * math.sin(ANGLE))
 CRUSH: dict[str, Any] = {"stiffness": 2e6, "restitution": 0.22, "plateau_force": 1e9}
 """No force reaches the plateau, with which the compiled loop is that of shipped trains."""
@@ -212,10 +206,7 @@ def test_free_flight_of_three_units(hitch_length):
 
 def test_a_stiff_train_spins_as_the_rigid_one():
     """Angles after 0.5 s of free flight, in proportion to 1/E."""
-    a, b = HINGE[0] - TRACTOR.front_distance, TRAILER.front_distance - HINGE[1]
-    rigid = train_of([TRACTOR, TRAILER], WallContact(CrushLaw(1e6), MU), [HINGE])
-    state = [[[a, 50.0, 0.0, 3.0, 1.0 + 0.4 * a, 0.4], [-b, 50.0, 0.0, 3.0, 1.0 + 0.3 * b, -0.3]]]
-    expected = solve_trains(rigid, np.array(state), end=0.5, step=1e-4).state[0, :, 2]
+    expected = flown(0.4, -0.3, end=0.5, step=1e-4)[3].state[0, :, 2]
     errors = []
     for modulus in (2e9, 2e10):
         model, _ = train(modulus=modulus, counts=((4, 2), (8, 2)))
@@ -260,13 +251,7 @@ def test_units_have_the_masses_centres_and_inertias_that_are_given():
 
 def rigid_strikes(until):
     """Rows of unit and corner, start, end, peak, impulse."""
-    first = first_touch(TRACTOR, ANGLE, SPEED)
-    x = HINGE[0] - TRACTOR.front_distance + TRAILER.front_distance - HINGE[1]
-    place = first.x_g - x * math.cos(ANGLE), first.y_g + x * math.sin(ANGLE)
-    moving = ANGLE, first.v_gx, first.v_gy, 0.0
-    states = np.array([[[first.x_g, first.y_g, *moving], [*place, *moving]]])
-    model = train_of([TRACTOR, TRAILER], WallContact(CrushLaw(2e6, 0.0, 0.22), MU), [HINGE])
-    rows = solve_trains(model, states, end=until, strikes=8, step=2e-5).strikes[0]
+    rows = train_run([TRACTOR, TRAILER], [HINGE], 2e6, end=until, strikes=8, step=2e-5).strikes[0]
     return rows[np.argsort(rows[:, 1])]
 
 

@@ -26,28 +26,34 @@ from solver.impact import (
 from solver.impact.solve import column_names
 from solver.impact.train import Train, lined_up
 
-ANGLE, MU = math.radians(15.0), 0.47
+ANGLE, SPEED, MU = math.radians(15.0), 22.35, 0.47
 TRACTOR = ImpactVehicle(6.9, 2.44, 8200.0, 2.9, 34621.0)
 TRAILER = ImpactVehicle(14.6, 2.59, 27770.0, 8.0, 497057.0)
 HITCH, KINGPIN = 5.6, 0.9
 
 
-def train_run(vehicles, hinges, k, speed=22.35, **more):
+def train_run(vehicles, hinges, k, **more):
     """A straight train at first touch, the first unit the widest."""
     train = train_of(vehicles, WallContact(CrushLaw(k, 0.0, 0.22), MU), hinges)
-    first = first_touch(vehicles[0], ANGLE, speed)
-    states, x = [[first.x_g, first.y_g, ANGLE, first.v_gx, first.v_gy, 0.0]], 0.0
-    for h, (hitch, kingpin) in enumerate(hinges):
-        x += hitch - vehicles[h].front_distance + vehicles[h + 1].front_distance - kingpin
-        place = first.x_g - x * math.cos(ANGLE), first.y_g + x * math.sin(ANGLE)
-        states.append([*place, ANGLE, first.v_gx, first.v_gy, 0.0])
-    return solve_trains(train, np.array([states]), **more)
+    return solve_trains(train, straight(vehicles, hinges), **more)
 
 
-def train_impact(k=2e6, vehicle=TRACTOR, trailers=((TRAILER, HITCH, KINGPIN),), speed=22.35, **more):
+def straight(vehicles=(TRACTOR, TRAILER), hinges=((HITCH, KINGPIN),)):
+    """States of a straight train at first touch."""
+    ahead = [hitch - unit.front_distance for (hitch, _), unit in zip(hinges, vehicles, strict=False)]
+    behind = [unit.front_distance - kingpin for (_, kingpin), unit in zip(hinges, vehicles[1:], strict=True)]
+    return lined_up(astuple(first_touch(vehicles[0], ANGLE, SPEED)), np.cumsum(np.add(ahead, behind)))[None]
+
+
+def both_units(law):
+    """The tractor and its trailer."""
+    return train_of((TRACTOR, TRAILER), law, [(HITCH, KINGPIN)])
+
+
+def train_impact(k=2e6, vehicle=TRACTOR, trailers=((TRAILER, HITCH, KINGPIN),), **more):
     law = WallContact(CrushLaw(k, 0.0, 0.22), MU)
     behind = [HitchedVehicle(unit, *hinge) for unit, *hinge in trailers]
-    return solve_impact(vehicle, law, first_touch(vehicle, ANGLE, speed, behind), trailers=behind, **more)
+    return solve_impact(vehicle, law, first_touch(vehicle, ANGLE, SPEED, behind), trailers=behind, **more)
 
 
 TRAIN = {  # unit and corner, start, duration, peak, impulse, as of a trial by another scheme
@@ -115,7 +121,7 @@ def flown(w_a, w_b, end=2.0, step=2e-4):
     The hinge is at rest at the start.
     """
     a, b = HITCH - TRACTOR.front_distance, TRAILER.front_distance - KINGPIN
-    train = train_of([TRACTOR, TRAILER], WallContact(CrushLaw(1e6), MU), [(HITCH, KINGPIN)])
+    train = both_units(WallContact(CrushLaw(1e6), MU))
     state = np.array([[[a, 50.0, 0.0, 3.0, w_a * a, w_a], [-b, 50.0, 0.0, 3.0, -w_b * b, w_b]]])
     return train, a, b, solve_trains(train, state, end=end, interval=0.0, step=step)
 
@@ -278,8 +284,7 @@ def test_steps_in_parts_agree_with_short_steps_of_one_length(restitution, allowe
     At a restitution of 0.02 unloading is 2 500 times stiffer; a vertical line is of first order.
     """
     law = WallContact(CrushLaw(2e6, 0.0, restitution), MU)
-    train = train_of((TRACTOR, TRAILER), law, [(HITCH, KINGPIN)])
-    start = lined_up(astuple(first_touch(TRACTOR, ANGLE, 22.35)), [HITCH - 2.9 + 8.0 - KINGPIN])[None]
+    train, start = both_units(law), straight()
     run = solve_trains(train, start, strikes=8, end=0.4, tolerance=4e-3)
     fine = solve_trains(train, start, strikes=8, end=0.4, step=1e-6)
     firsts = (run.strikes[0], fine.strikes[0])
@@ -293,8 +298,7 @@ def test_steps_in_parts_agree_with_short_steps_of_one_length(restitution, allowe
 
 
 def test_rows_of_the_impulse_alone_are_that_column():
-    train = train_of((TRACTOR, TRAILER), WallContact(CrushLaw(2e6, 1e5, 0.1), MU), [(HITCH, KINGPIN)])
-    start = lined_up(astuple(first_touch(TRACTOR, ANGLE, 22.35)), [HITCH - 2.9 + 8.0 - KINGPIN])[None]
+    train, start = both_units(WallContact(CrushLaw(2e6, 1e5, 0.1), MU)), straight()
     settings: dict[str, Any] = {"tolerance": 5e-4, "end": 0.4, "interval": 5e-4}
     runs = (solve_trains(train, start, impulse_alone=alone, **settings) for alone in (False, True))
     full, short = (impacts.rows[0, :801] for impacts in runs)
@@ -305,9 +309,7 @@ def test_rows_of_the_impulse_alone_are_that_column():
 
 def test_a_restitution_near_zero_is_solved_or_its_error_is_stated():
     """Unloading of a period of 20 us has 1024 parts."""
-    law = WallContact(CrushLaw(2e6, 0.0, 1e-4), MU)
-    train = train_of((TRACTOR, TRAILER), law, [(HITCH, KINGPIN)])
-    start = lined_up(astuple(first_touch(TRACTOR, ANGLE, 22.35)), [HITCH - 2.9 + 8.0 - KINGPIN])[None]
+    train, start = both_units(WallContact(CrushLaw(2e6, 0.0, 1e-4), MU)), straight()
     nearly_plastic = solve_trains(train, start, tolerance=4e-3, strikes=8, end=0.2)
     plastic_train = train._replace(restitution=0.0 * train.restitution)
     plastic = solve_trains(plastic_train, start, tolerance=4e-3, strikes=8, end=0.2)
@@ -320,17 +322,14 @@ def test_a_restitution_near_zero_is_solved_or_its_error_is_stated():
 )
 def test_a_refined_train_has_another_number_of_strikes(crushes):
     """The result has room for all strikes of both trains."""
-    vehicles, hinges, room = (TRACTOR, TRAILER), [(HITCH, KINGPIN)], 3
-    laws = [WallContact(CrushLaw(k, 0.0, e), MU) for k, e in crushes]
-    trains = [train_of(vehicles, law, hinges) for law in laws]
+    trains, room = [both_units(WallContact(CrushLaw(k, 0.0, e), MU)) for k, e in crushes], 3
     both = Train(
         *(a if a.ndim == 1 else np.concatenate([a, b], axis=-1) for a, b in zip(*trains, strict=True))
     )
-    state = first_touch(TRACTOR, ANGLE, 22.35)
-    start = lined_up(astuple(state), [HITCH - 2.9 + 8.0 - KINGPIN])
-    many = solve_trains(both, np.array([start, start]), tolerance=1e-3, strikes=room, end=1.5)
+    start = straight()
+    many = solve_trains(both, np.concatenate([start, start]), tolerance=1e-3, strikes=room, end=1.5)
     for i, train in enumerate(trains):
-        alone = solve_trains(train, start[None], tolerance=1e-3, strikes=room, end=1.5).strikes[0]
+        alone = solve_trains(train, start, tolerance=1e-3, strikes=room, end=1.5).strikes[0]
         assert len(alone) > room
         assert np.array_equal(many.strikes[i, : len(alone)], alone, equal_nan=True)
         assert np.isnan(many.strikes[i, len(alone) :]).all()
