@@ -22,6 +22,7 @@ from fem.laws.friction import Drag, Signed
 from fem.model.plate_model import PlateModel, build_model
 from fem.plate.kinds import ELEMENT_KINDS
 from fem.plate.properties import CornerProperties, PlateProperties, StepProperties
+from machine_code.system import folder
 from meshes import distorted, plate_mesh
 from tailslap.case.impact.space import answer as in_space
 from tailslap.errors import InputError
@@ -102,6 +103,12 @@ def proc():
     """Skip tests that read /proc where it is not mounted."""
     if not os.path.isdir("/proc/self/fd"):
         pytest.skip("/proc is not mounted")
+
+
+@pytest.fixture
+def keeping(tmp_path, monkeypatch):
+    """Compiled code is kept in a folder of the test's own."""
+    monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path / "code")
 
 
 @pytest.fixture(scope="session")

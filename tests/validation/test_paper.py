@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 
 from postprocess.comparison.quantities import PAPER_TABLE_3
-from solver import RectangularBody, corner_impulse, plane_motion, strike_force
 from tailslap.cli import _status
 
 ANALYTICAL = {"t": 0.383, "v_gy": -3.274, "v_gx": 23.270, "omega": 0.65, "slide": 9.420}  # Table 3
@@ -41,13 +40,13 @@ def answers(tmp_path_factory):
 
 @pytest.mark.parametrize("column", ["analytical", "analytical_56"])
 @pytest.mark.parametrize(
-    ("name", "share"), [("v_gy", 1e-3), ("v_gx", 1e-3), ("slide", 1e-3), ("t", 3e-3), ("omega", 8e-3)]
+    ("name", "read"), [("v_gy", 2e-3), ("v_gx", 1e-2), ("slide", 9e-3), ("t", 1e-3), ("omega", 5.2e-3)]
 )
-def test_the_analytical_column(answers, column, name, share):
+def test_the_analytical_column(answers, column, name, read):
     """From the printed start, and from 56 mph with theta_0 = 0.26."""
     cell = answers["table_3"][column][name]
     assert cell["printed"] == ANALYTICAL[name]
-    assert cell["computed"] == pytest.approx(ANALYTICAL[name], rel=share)
+    assert cell["computed"] == pytest.approx(ANALYTICAL[name], abs=read)
 
 
 def test_the_start_is_that_of_56_mph(answers):
@@ -66,6 +65,7 @@ def test_the_abaqus_column_is_the_frictionless_motion_at_0_3625_s(answers):
     assert (table["reading"], f"{read['slide']['computed']:.3f}") == (0.3625, "8.915")
     assert f"{read['omega']['computed']:.2f}" == "0.66"
     assert read["v_gy"]["computed"] == pytest.approx(-3.289, rel=2e-3)
+    assert read["v_gx"]["computed"] == pytest.approx(23.305, abs=0.01)
     assert abs(drag["v_gx"]["computed"] - 23.305) > 4.0 * abs(read["v_gx"]["computed"] - 23.305)
     assert drag["slide"]["computed"] == pytest.approx(8.915, abs=1e-9)
     assert table["crossing"][1] < 0.2 * 8.915
@@ -133,41 +133,6 @@ def test_row_b_with_the_speed_and_angle_of_its_test(answers):
     """Speed and angle of the test lead to both printed forces."""
     for cell, printed in zip(answers["row_b"][0]["peak"], (680e3, 872e3), strict=True):
         assert cell["computed"] == pytest.approx(printed, rel=1e-2)
-
-
-TRUCK = RectangularBody(10.0, 2.438, 9979.0)  # Table 1; 22 000 lb
-ANGLE, FRICTION, RESTITUTION = math.radians(15.0), 0.47, 0.22  # Table 1
-MPH = 0.44704
-START = (0.26, 0.707, 25.053)  # section 3.1.1: theta_0, omega_0, v_P0
-
-
-@pytest.mark.parametrize(("name", "printed", "unit"), [
-    ("t", 0.383, 0.001), ("v_gy", -3.274, 0.002), ("v_gx", 23.270, 0.01), ("omega", 0.65, 0.01),
-    ("slide", 9.420, 0.01),
-])  # fmt: skip
-def test_the_analytical_column_of_table_3(name, printed, unit):
-    strike = plane_motion(TRUCK, *START, FRICTION).strike
-    assert getattr(strike, name) == pytest.approx(printed, abs=unit)
-
-
-def test_the_abaqus_column_is_a_motion_without_friction_read_before_the_strike():
-    """At the printed 8.915 m the frictionless motion has the printed speeds."""
-    free, drag = (plane_motion(TRUCK, *START, FRICTION, reaction) for reaction in ("none", "drag"))
-    t = float(np.interp(8.915, *(getattr(free.at(np.linspace(0.0, 0.38, 2001)), x) for x in ("slide", "t"))))
-    state = free.at(t)
-    assert (t, state.v_gx) == (pytest.approx(0.3625, abs=0.0002), pytest.approx(23.305, abs=0.01))
-    assert (state.v_gy, state.omega) == (pytest.approx(-3.289, abs=0.01), pytest.approx(0.66, abs=0.005))
-    assert abs(drag.at(t).v_gx - 23.305) > 3.0 * abs(state.v_gx - 23.305)
-
-
-def test_the_factor_between_restitutions_is_that_of_row_b():
-    """Row b prints 680 kN and 872 kN for two restitutions."""
-    peaks = []
-    for restitution in (0.22, 0.0):
-        start = corner_impulse(TRUCK, 57.4 * MPH, math.radians(15.4), FRICTION, restitution)
-        strike = plane_motion(TRUCK, math.radians(15.4), start.omega, start.corner_speed, FRICTION).strike
-        peaks.append(strike_force(9979.0, strike.v_gy, 0.1).peak_force)
-    assert 871.5 / 680.5 < peaks[1] / peaks[0] < 872.5 / 679.5
 
 
 def test_the_analytical_column_by_finite_elements(outcome):

@@ -6,8 +6,6 @@ import pytest
 
 from solver.parapet import overhang_tension, punching, section_strengths, yield_line_resistance
 
-pytestmark = pytest.mark.validation
-
 
 @pytest.mark.parametrize(
     ("wall", "base", "lengths", "force"),

@@ -14,8 +14,6 @@ from tailslap.case.of_arguments import case_of_scene
 from tailslap.errors import InputError
 from tailslap.validation.calibration import calibrated_band
 
-pytestmark = pytest.mark.verification
-
 
 def planar(name):
     try:

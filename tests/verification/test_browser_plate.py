@@ -12,8 +12,6 @@ from tailslap.case.corner.corner_run import attempt
 from tailslap.case.of_arguments import case_of_scene
 from tailslap.errors import InputError
 
-pytestmark = pytest.mark.verification
-
 
 @pytest.mark.parametrize("name", [
     "paper-table-3", *(pytest.param(name, marks=pytest.mark.long) for name in (*plate.SCENES[1:], "mash-tl1-car"))

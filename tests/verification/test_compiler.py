@@ -15,17 +15,12 @@ from random_kernels import LINE, REFUSED, function_of
 
 from machine_code.compiled import Kernel, by_law, chosen, compact, compiled, implements, inlined, optional
 from machine_code.object_code import UnknownTypeError
-from machine_code.system import folder
 from machine_code.values import Array, TranslationError
+
+pytestmark = pytest.mark.usefixtures("keeping")
 
 WEIGHTS = np.array([[0.25, -0.5], [0.75, 2.0]])
 ROTATION, TURNED, HUGE = 0.6 + 0.8j, 2.0j, 1e200 - 3e200j
-
-
-@pytest.fixture(autouse=True)
-def keeping(tmp_path, monkeypatch):
-    """Code is kept in a folder of the test's own."""
-    monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path / "code")
 
 
 class Spring(NamedTuple):

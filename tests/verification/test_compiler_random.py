@@ -8,13 +8,7 @@ from collections import Counter
 import pytest
 from random_kernels import check, check_outside
 
-from machine_code.system import folder
-
-
-@pytest.fixture(autouse=True)
-def keeping(tmp_path, monkeypatch):
-    """Code is kept in a folder of the test's own."""
-    monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path / "code")
+pytestmark = pytest.mark.usefixtures("keeping")
 
 
 @pytest.mark.parametrize("first", [100_000, 200_000])

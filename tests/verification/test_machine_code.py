@@ -94,12 +94,6 @@ def arguments(factor, step):
 
 
 @pytest.fixture
-def keeping(tmp_path, monkeypatch):
-    """Code is kept in a folder of the test's own."""
-    monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path / "code")
-
-
-@pytest.fixture
 def kernel(keeping):
     return compiled(add)
 

@@ -23,8 +23,6 @@ from tailslap.studies.parapet import parapet_study
 from tailslap.wall_strength import report
 from tailslap.wall_strength.strength import Load, bounds_of, wall_plate
 
-pytestmark = pytest.mark.verification
-
 WALL_A = parapet.uniform_wall(*parapet.WALLS["A"])
 TOP = Load(1.067, WALL_A.height, None)
 KN = 1e3

@@ -13,8 +13,6 @@ from tailslap.campaign import band_samples
 from tailslap.case.impact.space.input import space_input
 from tailslap.case.of_arguments import case_of_scene
 
-pytestmark = pytest.mark.verification
-
 TRUCK, TRAIN = "impact-tipping-tl4-sut", "impact-97-kip-tractor-van"
 CHANGES = {"impact.speed": 28.0, "vehicle.mass": 11000.0, "wall.height": 0.8, "contact.friction": 0.2,
            "axle.1.spring": 4e5, "strip.0.stiffness": 3e6, "vehicle.length": 10.5}  # fmt: skip

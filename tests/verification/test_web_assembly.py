@@ -14,8 +14,6 @@ from solver.impact import trajectories
 from tailslap.browser import space_model
 from tailslap.case.of_arguments import case_of_scene
 
-pytestmark = pytest.mark.verification
-
 
 class Pair(NamedTuple):
     first: np.ndarray
