@@ -2,9 +2,9 @@
 
 import json
 import math
-from pathlib import Path
 
 import pytest
+from shared_cases import LINEAR_TRUCK
 
 from postprocess.comparison.grid_convergence import Limit, grid_convergence, limit_of
 from postprocess.comparison.quantities import largest_relative
@@ -280,8 +280,7 @@ def test_meshes_of_the_soft_plate_converge_and_a_spring_adds_in_proportion():
 def test_a_study_of_a_whole_impact_on_a_coarse_plate(tmp_path, capsys):
     """Settings are nearer the limit than the rigid vehicle."""
     out = tmp_path / "cost"
-    scene = str(Path(__file__).parents[2] / "examples" / "linear-truck.toml")
-    arguments = ["study", "cost", scene, "--set", "plate.elements=[8, 4]", "--out", str(out)]
+    arguments = ["study", "cost", LINEAR_TRUCK, "--set", "plate.elements=[8, 4]", "--out", str(out)]
     soft = ["--set", "plate.first_frequency=20 Hz", "--set", "plate.youngs_modulus="]
     assert _status([*arguments, *soft]) == 0
     assert capsys.readouterr().out.startswith("Finite elements compute both strikes within ")

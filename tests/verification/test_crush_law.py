@@ -5,13 +5,13 @@ Exact answers of a point mass on the law, for one vehicle, samples and the plate
 
 import math
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from crushing_plates import corner_strips
 from sampled_impacts import corner_tables, sampled_impacts
+from shared_cases import LINEAR_TRAIN, LINEAR_TRUCK, changed
 from test_impact_rigid import BOX, CLOSING, UPRIGHT, head_on
 
 from fem.laws.contact_forces import PointCrush, crush_line, loading_depth, loading_force
@@ -24,14 +24,9 @@ from solver import RigidBodyError
 from solver.impact import CrushLaw, ImpactVehicle, Strip, WallContact, first_touch, solve_impact
 from tailslap import cli
 from tailslap.case.impact import run
-from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.strike_columns import both_strikes
 from tailslap.errors import InputError
-from tailslap.scene.read import read_source
-from tailslap.scene.vary import vary
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
-SCENE, TRAIN_SCENE = str(EXAMPLES / "linear-truck.toml"), str(EXAMPLES / "linear-train.toml")
 K = 2e6
 LAWS: dict[str, dict[str, Any]] = {
     "plateau": {"plateau_force": 2e5, "restitution": 0.22},
@@ -192,10 +187,6 @@ def test_force_and_depth_at_the_end_of_a_step(hardening, mean):
     assert depth == pytest.approx(mean - compliance * expected, rel=1e-12)
 
 
-def case_of(scene=SCENE, **changes):
-    return ImpactCase(*vary(read_source(scene), {key.replace("__", "."): x for key, x in changes.items()}))
-
-
 FRONT = {"stiffness": 2e6, "plateau": 350e3, "restitution": 0.15}
 BEHIND = {"stiffness": 1.5e6, "plateau": 300e3, "unloading_stiffness": 12e6}
 TRUCK = {"strip": corner_tables(10.0, FRONT, BEHIND), "contact.stiffness": None, "contact.restitution": None}
@@ -211,7 +202,7 @@ def test_the_plate_tends_to_the_rigid_vehicle(elements, hardening):
     for modulus in (0.2e12, 2e12):
         changes = {"plate.youngs_modulus": modulus, "plate.elements": elements, "plate.element": "quad4"}
         changes |= {f"strip.{n}.hardening": hardening for n in (0, 1)}
-        outcome = run.attempt(case_of(**TRUCK, **changes))
+        outcome = run.attempt(changed(LINEAR_TRUCK, **TRUCK, **changes))
         off.append(max(abs(outcome.difference[f"strike_{k}.impulse"]) for k in (1, 2)))
     assert off[1] < 1e-3
     assert off[1] / off[0] == pytest.approx(0.1, abs=0.04)
@@ -219,7 +210,7 @@ def test_the_plate_tends_to_the_rigid_vehicle(elements, hardening):
 
 def test_the_rear_has_values_of_its_own():
     """Peak forces are the plateaus, and samples agree."""
-    case = case_of(**TRUCK)
+    case = changed(LINEAR_TRUCK, **TRUCK)
     front, rear = case.motion.strikes[:2]
     assert (front.corner, rear.corner) == ("front", "rear")
     assert (front.peak_force, rear.peak_force) == pytest.approx((350e3, 300e3), rel=1e-9)
@@ -228,17 +219,19 @@ def test_the_rear_has_values_of_its_own():
     for k, strike in enumerate((front, rear), 1):
         assert sampled[f"strike_{k}.impulse"][0] == pytest.approx(strike.impulse, rel=2e-4)
     assert sampled["strike_2.raw"] == pytest.approx([300e3, 250e3], rel=1e-9)
-    other = case_of(**{**TRUCK, "strip": corner_tables(10.0, FRONT, BEHIND | {"plateau": 250e3})})
+    other = changed(
+        LINEAR_TRUCK, **{**TRUCK, "strip": corner_tables(10.0, FRONT, BEHIND | {"plateau": 250e3})}
+    )
     assert sampled["strike_2.impulse"][1] == pytest.approx(other.motion.strikes[1].impulse, rel=2e-4)
 
 
 def test_samples_vary_what_the_scene_does_not_give():
-    case = case_of()
+    case = changed(LINEAR_TRUCK)
     inputs = {"contact.plateau_force": np.array([3e5, 4e5]), "contact.unloading_stiffness": np.full(2, 2e7)}
     samples = case.many(inputs)
     for i in range(2):
         changes = {key: float(values[i]) for key, values in inputs.items()} | {"contact.restitution": None}
-        strikes = case_of(**changes).motion.strikes
+        strikes = changed(LINEAR_TRUCK, **changes).motion.strikes
         assert samples["strike_1.impulse"][i] == pytest.approx(strikes[0].impulse, rel=2e-4)
         assert samples["strike_2.impulse"][i] == pytest.approx(strikes[1].impulse, rel=2e-4)
 
@@ -276,7 +269,7 @@ def test_the_force_grows_with_the_speed(hardening):
     """The rigid TL-4 truck agrees with an independent integration."""
     changes = {"axle": None, "time.end": "0.7 s", "contact.hardening": 1e6 * hardening}
     for mph, expected in zip((45, 56, 65, 75), FORCES[hardening], strict=True):
-        case = case_of("impact-mash-tl4-sut", **changes, **{"impact.speed": f"{mph} mph"})
+        case = changed("impact-mash-tl4-sut", **changes, **{"impact.speed": f"{mph} mph"})
         assert 1e-3 * case.answer.peaks["mean_50ms"] == pytest.approx(expected, rel=1e-3)
 
 
@@ -290,7 +283,7 @@ OF_TRAIN = [
 
 
 def test_each_trailer_has_values_of_its_own():
-    case = case_of(TRAIN_SCENE, **{"strip": OF_TRAIN, "contact.stiffness": None})
+    case = changed(LINEAR_TRAIN, **{"strip": OF_TRAIN, "contact.stiffness": None})
     peaks: dict[str, float] = {}
     for strike in case.motion.strikes:
         peaks[strike.corner] = max(peaks.get(strike.corner, 0.0), strike.peak_force)
@@ -359,10 +352,8 @@ SETS = [
 
 
 @pytest.mark.parametrize(("key", "changes"), SETS)
-def test_a_bad_key_of_the_law_is_named(key, changes):
-    with pytest.raises(InputError) as caught:
-        case_of(**changes)
-    assert caught.value.key == key
+def test_a_bad_key_of_the_law_is_named(key, changes, refused):
+    assert refused(lambda: changed(LINEAR_TRUCK, **changes)) == key
 
 
 REPLACED = {
@@ -376,14 +367,14 @@ REPLACED = {
 @pytest.mark.parametrize("key", REPLACED)
 def test_a_former_key_names_its_replacement(key):
     with pytest.raises(InputError) as caught:
-        case_of(TRAIN_SCENE, **{key: 0.1})
+        changed(LINEAR_TRAIN, **{key: 0.1})
     assert key.startswith(caught.value.key)
     assert REPLACED[key] in caught.value.allowed
 
 
 def test_the_exit_status_and_the_message(capsys):
     changes = ["--set", "contact.initial_force=50 kN", "--set", "contact.plateau_force=40 kN"]
-    assert cli._status(["rigid", SCENE, *changes]) == 2
+    assert cli._status(["rigid", LINEAR_TRUCK, *changes]) == 2
     message = capsys.readouterr().err.replace("\n", " ")
     assert "contact.plateau_force" in message
     assert "40000" in message

@@ -11,10 +11,12 @@ import pytest
 from solver import RectangularBody, RigidBodyError, corner_impulse
 from solver.impact import (
     CrushLaw,
+    HitchedVehicle,
     ImpactState,
     ImpactVehicle,
     Strip,
     Train,
+    TyreAxle,
     WallContact,
     first_touch,
     solve_impact,
@@ -43,7 +45,7 @@ def with_line(e):
 def impact(k=2e6, e=0.22, mu=MU, angle=15.0, force=0.0, **more):
     vehicle, strips = more.pop("vehicle", TRUCK), more.pop("strips", ())
     contact = WallContact(CrushLaw(k, force, e), mu, strips)
-    touch = first_touch(vehicle, math.radians(angle), SPEED, contact=contact)
+    touch = first_touch(vehicle, math.radians(angle), SPEED, more.get("trailers", ()), contact=contact)
     return solve_impact(vehicle, contact, touch, **more)
 
 
@@ -179,6 +181,7 @@ def test_where_it_strikes():
 
 # --- conservation ---
 
+TYRES = (TyreAxle(1.3, 0.7, 6.0), TyreAxle(7.5, 0.6, 5.0))
 CASES: dict[str, dict[str, Any]] = {
     **{f"k {k:.0e}": {"k": k} for k in (1e4, 1e5, 2e6, 1e7, 1e9)},
     **{f"e {e}": {"e": e} for e in (0.0, 0.05, 0.9, 1.0)},
@@ -188,6 +191,11 @@ CASES: dict[str, dict[str, Any]] = {
     "e 0, soft": {"e": 0.0, "k": 1e5, "mu": 0.0},
     **{f"F0, e {e}": {"force": 1e5, "e": e} for e in (0.0, 0.22, 0.7)},
     "off centre": {"vehicle": ImpactVehicle(10.0, 2.438, 9979.0, 4.0, 6e4)},
+    "tyres": {"axles": TYRES},
+    "train on tyres": {
+        "trailers": [HitchedVehicle(ImpactVehicle(12.0, 2.5, 20000.0, 6.0), 7.0, 1.0)],
+        "axles": (*TYRES, TyreAxle(9.5, 0.7, unit=1), TyreAxle(10.5, 0.7, unit=1)),
+    },
     "line": {"strips": with_line(0.22), "end": 0.4},
     "line, e 0, mu 2, 0.05 s": {"strips": with_line(0.0), "mu": 2.0, "angle": 70.0, "end": 0.05},
     "line, e 0, mu 2": {"strips": with_line(0.0), "mu": 2.0, "angle": 70.0, "end": 0.2},
@@ -201,22 +209,38 @@ CASES: dict[str, dict[str, Any]] = {
 LONG = {"line, e 0, mu 2"}
 
 
+def momenta(motion, r):
+    """Momenta along, across and about the origin, of all units.
+
+    Then impulses, their moment and the work of the tyres.
+    """
+    sums, tyres = np.zeros((3, r.t.size)), np.zeros((4, r.t.size))
+    for k, body in enumerate(motion.vehicles, 1):
+        end = "" if k == 1 else f"_{k}"
+        x, y, u, v, w = (getattr(r, f"{name}{end}") for name in ("x_g", "y_g", "v_gx", "v_gy", "omega"))
+        sums += body.mass * u, body.mass * v, body.inertia * w + body.mass * (x * v - y * u)
+        if motion.axles:
+            names = ("impulse_tangential", "impulse_normal", "impulse_angular", "work")
+            tyres += [getattr(r, f"tyre_{name}{end}") for name in names]
+    return *sums, *tyres
+
+
 @pytest.mark.parametrize(
     "case", [pytest.param(c, marks=pytest.mark.long if c in LONG else ()) for c in CASES]
 )
 def test_momentum_energy_and_friction(case):
     """No tension, Coulomb's cone, momentum by impulses, and energy balance."""
     motion = impact(**CASES[case])
-    vehicle, mu = motion.vehicle, motion.contact.friction
+    m, mu = sum(body.mass for body in motion.vehicles), motion.contact.friction
     r = motion.at(motion.interval * np.arange(0, len(motion.rows) - 1, 1 + len(motion.rows) // 2000))
-    m, top = vehicle.mass, r.force_normal.max()
+    along, across, spin, tyres_along, tyres_across, tyres_spin, tyre_work = momenta(motion, r)
+    top = r.force_normal.max()
     assert r.force_normal.min() >= 0.0
     assert np.max(np.abs(r.force_tangential) - mu * r.force_normal) <= 1e-9 * top
-    assert m * (r.v_gy - r.v_gy[0]) == pytest.approx(r.impulse_normal, abs=1e-9 * m * SPEED)
-    assert m * (r.v_gx - r.v_gx[0]) == pytest.approx(r.impulse_tangential, abs=1e-9 * m * SPEED)
-    spin = vehicle.inertia * r.omega + m * (r.x_g * r.v_gy - r.y_g * r.v_gx)
-    assert spin - spin[0] == pytest.approx(r.impulse_angular, abs=1e-6 * np.abs(spin).max())
-    balance = r.kinetic_energy + r.crush_energy_stored + r.crush_energy_lost - r.friction_work
+    assert across - across[0] == pytest.approx(r.impulse_normal + tyres_across, abs=1e-9 * m * SPEED)
+    assert along - along[0] == pytest.approx(r.impulse_tangential + tyres_along, abs=1e-9 * m * SPEED)
+    assert spin - spin[0] == pytest.approx(r.impulse_angular + tyres_spin, abs=1e-6 * np.abs(spin).max())
+    balance = r.kinetic_energy + r.crush_energy_stored + r.crush_energy_lost - r.friction_work - tyre_work
     assert balance / balance[0] == pytest.approx(1.0, abs=1e-6)
     absorbed = r.crush_energy_stored + r.crush_energy_lost
     assert r.crush_work == pytest.approx(absorbed, abs=1e-6 * balance[0])

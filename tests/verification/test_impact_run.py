@@ -5,12 +5,12 @@ import functools
 import json
 import math
 import re
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from shared_cases import LINEAR_TRAIN, LINEAR_TRUCK
 
 import tailslap
 from postprocess.units import SI, percent_up
@@ -34,13 +34,11 @@ from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
-SCENE, TRAIN = str(EXAMPLES / "linear-truck.toml"), str(EXAMPLES / "linear-train.toml")
 LINEAR, LINEAR_PICKUP = ("plate.elements=[20, 6]",), ("plate.elements=[18, 6]",)
 """Given meshes of linear elements, on which the forces of corners act at nodes."""
 
 
-def planned(*changes, scene=SCENE):
+def planned(*changes, scene=LINEAR_TRUCK):
     return ImpactCase(*read_scene(scene, changes))
 
 
@@ -224,7 +222,7 @@ def test_keys_of_a_whole_impact_mean_nothing_beside_a_constrained_corner(change)
 
 
 def test_a_command_of_the_corner_says_so(capsys):
-    assert cli._status(["modal", SCENE]) == 2
+    assert cli._status(["modal", LINEAR_TRUCK]) == 2
     assert "contact: given" in capsys.readouterr().err
 
 
@@ -232,7 +230,7 @@ def test_modes_of_a_whole_impact_are_those_of_its_free_plate():
     """The constrained corner has the same plate, and both have beam theory."""
     mesh = ["plate.element=quad4", *LINEAR]
     impact, corner = (
-        tailslap.modes(name, mesh, count=6).summary["modes"] for name in (SCENE, "mash-tl4-sut")
+        tailslap.modes(name, mesh, count=6).summary["modes"] for name in (LINEAR_TRUCK, "mash-tl4-sut")
     )
     for free, held in zip(impact, corner, strict=True):
         assert free["frequency"] == pytest.approx(held["frequency"], rel=1e-9)
@@ -240,7 +238,7 @@ def test_modes_of_a_whole_impact_are_those_of_its_free_plate():
 
 
 def test_rigid_prints_what_the_contract_names(capsys):
-    assert cli._status(["rigid", SCENE, "--json", "--set", "plate="]) == 0
+    assert cli._status(["rigid", LINEAR_TRUCK, "--json", "--set", "plate="]) == 0
     result = json.loads(capsys.readouterr().out)
     assert set(result["strikes"][0]) >= {"corner", "start", "end", "duration", "peak_force", "impulse"}
     assert set(result["peaks"]) == {"raw", "mean_10ms", "mean_50ms", "cfc60", "cfc180", "cutoff_60hz"}
@@ -263,7 +261,7 @@ def test_without_companions_no_error_is_stated():
 
 def test_a_run_leaves_what_the_contract_names(tmp_path, capsys):
     words = ["--no-pictures", "--out", str(tmp_path / "out"), "--tolerance", "1e-2"]
-    assert cli._status(["run", SCENE, *words]) == 0
+    assert cli._status(["run", LINEAR_TRUCK, *words]) == 0
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["passed"] is True
     assert {"strikes", "peaks", "end"} <= set(summary["fe"]) & set(summary["rigid"])
@@ -308,7 +306,10 @@ def test_a_plate_that_strikes_at_the_end_of_the_rigid_vehicle_goes_on(monkeypatc
 def test_a_strike_that_the_end_cuts_is_named(tmp_path, capsys):
     """Summary, terminal and page name it, with values as lower bounds."""
     words, cut = ["--set", "time.end=0.46", "--set", "verify.companion=false"], [False, False, True]
-    assert cli._status(["run", SCENE, *words, "--full", "--no-pictures", "--out", str(tmp_path / "out")]) == 0
+    assert (
+        cli._status(["run", LINEAR_TRUCK, *words, "--full", "--no-pictures", "--out", str(tmp_path / "out")])
+        == 0
+    )
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     for model in ("fe", "rigid"):
         assert [strike["cut"] for strike in summary[model]["strikes"]] == cut
@@ -321,7 +322,7 @@ def test_a_strike_that_the_end_cuts_is_named(tmp_path, capsys):
     page = (tmp_path / "out" / "report.html").read_text().replace("\xa0", " ")
     assert page.count("front (cut)") == 2
     assert remark in page
-    assert cli._status(["rigid", SCENE, *words]) == 0
+    assert cli._status(["rigid", LINEAR_TRUCK, *words]) == 0
     terminal = capsys.readouterr().out
     assert "for at least 0.0140 s: peak at least" in terminal
     assert "Strike 3 (front corner) continues beyond the end at 0.46 s" in " ".join(terminal.split())
@@ -618,7 +619,7 @@ TRACTOR = (
 
 @pytest.mark.parametrize(("scene", "changes"), [
     ("impact-mash-tl2-pickup", (*PICKUP, *LINEAR_PICKUP)), ("impact-mash-tl2-pickup", PICKUP),
-    (SCENE, (*TRUCK, *LINEAR)), (SCENE, TRUCK),
+    (LINEAR_TRUCK, (*TRUCK, *LINEAR)), (LINEAR_TRUCK, TRUCK),
 ])  # fmt: skip
 def test_sound_impacts_pass(scene, changes):
     """They failed limits of 0.2 to 0.3 %, right to 0.4 %."""
@@ -630,7 +631,7 @@ def test_sound_impacts_pass(scene, changes):
 def test_an_unsure_impact_fails():
     """Meshes three times as fine change the second impulse by 2.4 %."""
     changes = (*TRACTOR, "contact.restitution=0.1", "plate.elements=[26,4]")
-    outcome = planned(*changes, scene=TRAIN).run()
+    outcome = planned(*changes, scene=LINEAR_TRAIN).run()
     assert {check.name for check in outcome.checks if not check.passed} == {"error of impulse"}
     assert 0.024 < outcome.mesh_error["strike_2.impulse"] < 0.032
 

@@ -6,10 +6,10 @@ The finite-element run of the same scene has its matrices and start, but neither
 import functools
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
+from shared_cases import LINEAR_TRUCK
 
 from fem.modal import modal_model
 from fem.modal.modal_model import integrate, modal_plate, modal_start, with_fewer_modes
@@ -25,7 +25,6 @@ from tailslap.modal_analysis import modes_with_errors
 from tailslap.modal_run import modal_run
 from tailslap.scene.read import read_scene
 
-LINEAR = str(Path(__file__).parents[2] / "examples" / "linear-truck.toml")
 SOFT = [pytest.param(modulus, marks=pytest.mark.long) for modulus in ("200 MPa", "20 MPa")]
 
 START = RigidStart(0.26, 0.707, 25.053)
@@ -299,7 +298,7 @@ def frequencies(scene, *changes, count=6):
 
 
 @pytest.mark.parametrize(
-    ("scene", "open_mesh"), [("mash-tl4-sut", ("plate.elements=", "wall=")), (LINEAR, ())]
+    ("scene", "open_mesh"), [("mash-tl4-sut", ("plate.elements=", "wall=")), (LINEAR_TRUCK, ())]
 )
 def test_frequencies_on_an_automatic_mesh_are_those_of_a_slender_beam(scene, open_mesh):
     """Timoshenko's, and n c/(2 L) except lateral inertia of 1e-4."""
@@ -316,8 +315,8 @@ def test_frequencies_on_an_automatic_mesh_are_those_of_a_slender_beam(scene, ope
 )
 def test_stated_errors_bound_the_frequencies_of_a_given_mesh(element, shape):
     """The reference has quadratic elements a third as large."""
-    coarse = frequencies(LINEAR, *shape, f"plate.element={element}", "plate.elements=[20, 4]")
-    fine = frequencies(LINEAR, *shape, "plate.element=quad9", "plate.elements=[60, 12]")
+    coarse = frequencies(LINEAR_TRUCK, *shape, f"plate.element={element}", "plate.elements=[20, 4]")
+    fine = frequencies(LINEAR_TRUCK, *shape, "plate.element=quad9", "plate.elements=[60, 12]")
     for mode, reference in zip(coarse, fine, strict=True):
         assert abs(reference["frequency"] / mode["frequency"] - 1.0) <= mode["error"]
 

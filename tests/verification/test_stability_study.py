@@ -14,12 +14,12 @@ import time
 from dataclasses import replace
 from functools import partial
 from itertools import combinations
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from processes import alive, children
+from shared_cases import LINEAR_TRAIN, LINEAR_TRUCK
 
 from postprocess.report.command_report import report_text, write_report
 from postprocess.report.provenance import CRATE
@@ -143,12 +143,8 @@ def test_a_program_that_breaks_has_not_refused(monkeypatch):
     assert broken["processor_seconds"] > 0.0
 
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
-TRUCK, TRAIN = str(EXAMPLES / "linear-truck.toml"), str(EXAMPLES / "linear-train.toml")
-
-
 def test_axes_of_a_whole_impact_make_a_thousand_cells_and_each_changes_the_scene():
-    scene = read_scene(TRUCK)[0]
+    scene = read_scene(LINEAR_TRUCK)[0]
     axes = {axis.name: axis for axis in axes_of(scene, 6)}
     assert len(map_cells(scene, axes_of(scene, 6))[0]) == 28 * 36
     stiffness = axes["contact stiffness"].values
@@ -158,13 +154,15 @@ def test_axes_of_a_whole_impact_make_a_thousand_cells_and_each_changes_the_scene
     keys = [next(iter(axis.changes(scene, axis.values[0]))) for axis in axes.values()]
     assert keys[:4] == ["contact.stiffness", "contact.restitution", "contact.friction", "impact.angle"]
     assert keys[4:] == ["impact.speed", "plate.youngs_modulus", "time.safety_factor", "vehicle.width"]
-    stiff = read_scene(TRUCK, ("contact.stiffness=", "contact.restitution=", "contact.enforcement=exact"))[0]
+    stiff = read_scene(
+        LINEAR_TRUCK, ("contact.stiffness=", "contact.restitution=", "contact.enforcement=exact")
+    )[0]
     absent = {"contact stiffness", "restitution", "penalty"}
     assert {axis.name for axis in axes_of(stiff, 6)}.isdisjoint(absent)
 
 
 def test_refined_models_of_an_automatic_mesh_have_its_elements_and_lengths():
-    case = case_of(*read_scene(TRAIN))
+    case = case_of(*read_scene(LINEAR_TRAIN))
     plan = case.plan()
     (changes,) = cell_verdicts.refinements(case.scene, plan.plate)
     refined = case.varied(changes).plan()
@@ -177,7 +175,7 @@ def test_refined_models_of_an_automatic_mesh_have_its_elements_and_lengths():
 
 @pytest.mark.long
 def test_a_stiff_plate_s_impact_is_right_and_what_cannot_be_is_refused():
-    scene = read_scene(TRUCK)[0]
+    scene = read_scene(LINEAR_TRUCK)[0]
     right = verdict_of(scene, {})
     assert (right["kind"], right["model"]) == ("right", "quad9 16 x 4")
     assert 1e-4 < right["difference"] < 1e-2
@@ -197,7 +195,7 @@ def impact(impulse, error, passed=True, corner="rear"):
         return SimpleNamespace(strikes=impacts, counted=2, history=WITHOUT_MEANS)
 
     plate = SimpleNamespace(element="quad9", counts=(4, 2))
-    case = SimpleNamespace(scene=read_scene(TRUCK)[0])
+    case = SimpleNamespace(scene=read_scene(LINEAR_TRUCK)[0])
     difference = {"strike_1.impulse": 0.0, "strike_2.impulse": impulse, "strike_2.duration": 9.0}
     checks, plan = (SimpleNamespace(name="mesh", passed=passed),), SimpleNamespace(plate=plate, case=case)
     both = {"fe": answer(corner, impulse), "rigid": answer("rear", 0.0), "difference": difference}
@@ -234,13 +232,13 @@ def test_a_train_is_judged_by_the_strikes_whose_error_is_stated():
     assert (distance["kind"], distance["difference"]) == ("right", 2e-3)
 
 
-@pytest.mark.parametrize("name", [TRUCK, TRAIN])
+@pytest.mark.parametrize("name", [LINEAR_TRUCK, LINEAR_TRAIN])
 def test_random_cells_of_a_whole_impact_vary_every_unit_about_its_own(name):
     scene = read_scene(name)[0]
     base = stability_study.base_source(scene)
     cells, places = stability_study.random_cells(scene, base, 1, 3)
     inputs = {key: value for key, value in ImpactCase(scene, base).inputs.items() if value}
-    assert ("trailer.0.hitch" in inputs) == (name != TRUCK)
+    assert ("trailer.0.hitch" in inputs) == (name != LINEAR_TRUCK)
     for key, changes in cells.items():
         factors = [changes[quantity] / value for quantity, value in inputs.items()]
         assert all(1.0 / random_scenes.SCATTER <= factor <= random_scenes.SCATTER for factor in factors)
@@ -251,7 +249,7 @@ def test_random_cells_of_a_whole_impact_vary_every_unit_about_its_own(name):
 
 def test_random_cells_of_a_whole_impact_are_judged_as_on_the_map(tmp_path, monkeypatch):
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
-    case = case_of(*read_scene(TRUCK))
+    case = case_of(*read_scene(LINEAR_TRUCK))
     result = stability_study.compute(case, tmp_path / "out", None, None, 2, 1, 1)
     assert (result.kinds, result.axes, result.settings) == (
         cell_verdicts.MAP_KINDS,
@@ -369,8 +367,8 @@ def test_every_cell_has_an_estimate_and_those_of_many_steps_the_longest():
 
 @pytest.mark.parametrize(("name", "changes"), [
     ("paper-table-3", {"vehicle.width": 0.0834}), ("paper-table-3", {"plate.youngs_modulus": 2e13}),
-    ("paper-table-3", {"corner.penalty_scale": 1e3}), (TRUCK, {}), (TRUCK, {"impact.speed": 5.0}),
-    (TRUCK, {"plate.elements": (20, 6)}),
+    ("paper-table-3", {"corner.penalty_scale": 1e3}), (LINEAR_TRUCK, {}), (LINEAR_TRUCK, {"impact.speed": 5.0}),
+    (LINEAR_TRUCK, {"plate.elements": (20, 6)}),
 ])  # fmt: skip
 def test_the_estimate_of_a_loop_is_that_of_its_plan_within_a_factor(name, changes):
     case = case_of(*read_scene(name))

@@ -1,21 +1,19 @@
 """Verify the crush stiffness from the duration of a strike."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
+from shared_cases import LINEAR_TRAIN, LINEAR_TRUCK, changed
 from test_impact_rigid import BOX, head_on
 
 from solver.impact import CrushLaw, stiffness_of_duration
 from tailslap import InputError
-from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene, read_source
 from tailslap.scene.vary import Source, vary
 from tailslap.scene.write import scene_inputs, scene_text
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
-SCENE, KEY = str(EXAMPLES / "linear-truck.toml"), "contact.strike_duration"
+KEY = "contact.strike_duration"
 TRUCK = (9979.0, None, 10.0, 2.438, 5.0)
 
 
@@ -44,7 +42,7 @@ def test_the_effective_mass_of_the_rear_corner():
 ])  # fmt: skip
 def test_durations_of_table_4(duration, k, lasts, mean):
     """Stiffness, rear duration and largest mean of the truck of the paper."""
-    case = ImpactCase(*vary(read_source(SCENE), {KEY: duration}))
+    case = changed(LINEAR_TRUCK, **{KEY: duration})
     rear = case.motion.strikes[1]
     assert case.scene.contact is not None
     assert case.scene.contact.stiffness == pytest.approx(k, rel=0.02)
@@ -53,7 +51,7 @@ def test_durations_of_table_4(duration, k, lasts, mean):
 
 
 def test_the_stiffness_follows_the_duration_and_not_the_other_way():
-    scene, source = vary(read_source(SCENE), {KEY: "0.1 s"})
+    scene, source = vary(read_source(LINEAR_TRUCK), {KEY: "0.1 s"})
     assert source.tables["contact"].keys() == {"strike_duration", "restitution", "friction"}
     assert vary(Source.of(scene), {})[0] == scene
     heavy = vary(source, {"vehicle.mass": 2 * 9979.0})[0].contact
@@ -65,14 +63,14 @@ def test_the_stiffness_follows_the_duration_and_not_the_other_way():
     assert back.contact is not None
     assert (back.contact.stiffness, back.contact.strike_duration) == (1e6, None)
     assert "strike_duration" not in scene_text(source).partition("[contact]")[2]
-    rows = {row.key: row for row in scene_inputs(*vary(read_source(SCENE), {KEY: "0.1 s"}))}
+    rows = {row.key: row for row in scene_inputs(*vary(read_source(LINEAR_TRUCK), {KEY: "0.1 s"}))}
     assert rows["contact.stiffness"].origin == "from contact.strike_duration"
 
 
 def test_a_plate_has_the_stiffness_of_the_rigid_vehicle():
-    case = ImpactCase(*vary(read_source(SCENE), {KEY: "0.1 s"}))
+    case = changed(LINEAR_TRUCK, **{KEY: "0.1 s"})
     assert case.scene.contact is not None
-    plate = ImpactCase(*vary(read_source(SCENE), {"contact.stiffness": case.scene.contact.stiffness}))
+    plate = changed(LINEAR_TRUCK, contact__stiffness=case.scene.contact.stiffness)
     np.testing.assert_equal(case.plan().model.parameters.contact, plate.plan().model.parameters.contact)
 
 
@@ -87,10 +85,10 @@ def test_a_plate_has_the_stiffness_of_the_rigid_vehicle():
 ])  # fmt: skip
 def test_what_contradicts_a_duration_is_refused(changes, key, allowed):
     with pytest.raises(InputError) as caught:
-        vary(read_source(SCENE), changes)
+        vary(read_source(LINEAR_TRUCK), changes)
     assert (caught.value.key, allowed in caught.value.allowed) == (key, True), str(caught.value)
 
 
 def test_a_train_has_no_single_effective_mass():
     with pytest.raises(InputError, match="of a train allowed is"):
-        read_scene(str(EXAMPLES / "linear-train.toml"), [f"{KEY}=0.1 s"])
+        read_scene(LINEAR_TRAIN, [f"{KEY}=0.1 s"])

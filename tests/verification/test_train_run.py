@@ -3,26 +3,21 @@
 import functools
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from shared_cases import LINEAR_TRAIN, LINEAR_TRUCK, changed
 
 from tailslap.case.impact import case as impact_case
 from tailslap.case.impact import checks, error, plan, report, report_tables, run
 from tailslap.case.impact.answers import ImpactAnswer
-from tailslap.case.impact.case import ImpactCase
 from tailslap.case.run_report import plate_sentence
 from tailslap.cli import _status
 from tailslap.errors import InputError
-from tailslap.scene.read import read_scene, read_source
-from tailslap.scene.vary import vary
+from tailslap.scene.read import read_scene
 from tailslap.studies.stability import cell_verdicts, stability_study
-
-EXAMPLES = Path(__file__).parents[2] / "examples"
-SCENE, TRUCK = str(EXAMPLES / "linear-train.toml"), str(EXAMPLES / "linear-truck.toml")
 
 NOT_REACHED = 1e9
 """Plateau of the crush [N]."""
@@ -39,8 +34,7 @@ def case(**changes):
     keys: dict[str, Any] = {f"vehicle.{key}": value for key, value in TRACTOR.items()}
     keys |= {"impact.test_level": None, "contact.plateau_force": NOT_REACHED}
     keys |= {"trailer": [TRAILER], "plate.elements": (10, 4), "plate.element": "quad4", "impact.speed": 22.35}
-    changed = {key.replace("__", "."): value for key, value in changes.items()}
-    return ImpactCase(*vary(read_source(TRUCK), keys | changed))
+    return changed(LINEAR_TRUCK, **keys | changes)
 
 
 @functools.cache
@@ -263,7 +257,7 @@ def test_a_result_of_a_train_is_exported_and_compared(tmp_path, monkeypatch):
     options = [
         part for change in (*SMALL, "output.fields=2", "verify.companion=false") for part in ("--set", change)
     ]
-    assert _status(["run", SCENE, "--out", "one", "--no-pictures", *options]) == 0
+    assert _status(["run", LINEAR_TRAIN, "--out", "one", "--no-pictures", *options]) == 0
     for kind in ("csv", "vtu", "xdmf"):
         assert _status(["export", "one", "--to", kind]) == 0
     assert _status(["compare", "one", "one/history.csv", "--out", "two"]) == 0
@@ -274,7 +268,7 @@ def test_a_result_of_a_train_is_exported_and_compared(tmp_path, monkeypatch):
 ])  # fmt: skip
 def test_no_cell_of_the_study_of_stability_is_wrong(changes):
     """Soft crush is right, and 1 GN/m is caught by the mesh."""
-    base = stability_study.base_source(read_scene(SCENE, SMALL)[0])
+    base = stability_study.base_source(read_scene(LINEAR_TRAIN, SMALL)[0])
     verdict = cell_verdicts.judge(base, changes, partial(cell_verdicts.against_rigid, tolerance=0.01))
     expected = cell_verdicts.RIGHT if changes["contact.stiffness"] < 1e9 else cell_verdicts.CAUGHT
     assert verdict["kind"] == expected
@@ -285,4 +279,4 @@ def test_no_cell_of_the_study_of_stability_is_wrong(changes):
 def test_studies_of_a_train_run(study, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     options = [part for change in SMALL for part in ("--set", change)]
-    assert _status(["study", *study.split(), SCENE, *options]) == 0
+    assert _status(["study", *study.split(), LINEAR_TRAIN, *options]) == 0

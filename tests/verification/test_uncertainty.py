@@ -8,7 +8,6 @@ import csv
 import json
 import math
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ import pytest
 import sobol_coverage as benchmark
 from sampled_impacts import sampled_impacts
 from scipy import stats
+from shared_cases import LINEAR_TRUCK
 
 from postprocess.report.command_report import write_report
 from postprocess.report.provenance import CRATE
@@ -34,8 +34,7 @@ from tailslap.storage.manifest import NAME as MANIFEST
 from tailslap.studies.uncertainty import uncertainty_study
 from tailslap.studies.uncertainty.uncertainty_report import report
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
-TRUCK, IMPACT = "mash-tl4-sut", str(EXAMPLES / "linear-truck.toml")
+TRUCK = "mash-tl4-sut"
 HELD = ("impact.friction", "impact.speed", "impact.angle")
 E_LOW, E_HIGH, DT_LOW, DT_HIGH = 0.0, 0.4, 0.08, 0.18  # the default ranges
 MPH, DEGREE, POUND = 1609.344 / 3600.0, math.pi / 180.0, 0.45359237
@@ -63,7 +62,7 @@ def impacts():
     return uncertainty_study.spread(plan, planar_ranges.impact_ranges(plan), 288)
 
 
-def impact_of(*changes, name=IMPACT):
+def impact_of(*changes, name=LINEAR_TRUCK):
     return case.ImpactCase(*read_scene(name, changes))
 
 
@@ -266,7 +265,7 @@ def test_few_changed_outputs_have_the_limits_of_a_binomial_fraction():
     assert (indices.first[0], indices.total[0]) == (0.0, 0.0)
 
 
-@pytest.mark.parametrize("name", [TRUCK, IMPACT])
+@pytest.mark.parametrize("name", [TRUCK, LINEAR_TRUCK])
 def test_refused_indices_are_said_and_not_shown(name, monkeypatch, tmp_path, capsys):
     """Page, summary and terminal report it for similar points."""
     points_of = sampling.sobol_points
@@ -366,7 +365,9 @@ def test_a_study_of_which_nothing_is_left_is_refused(tmp_path, capsys):
     assert not out.exists()
 
 
-@pytest.mark.parametrize("command", [f"study uncertainty {IMPACT}", f"study uncertainty {TRUCK}", "validate"])
+@pytest.mark.parametrize(
+    "command", [f"study uncertainty {LINEAR_TRUCK}", f"study uncertainty {TRUCK}", "validate"]
+)
 def test_interrupted_it_says_that_no_progress_is_saved(command, tmp_path, monkeypatch, capsys):
     def interrupted(*arguments):
         raise KeyboardInterrupt
@@ -667,7 +668,7 @@ def test_contacts_that_the_study_cannot_vary_are_refused(refused):
 
 def test_ranges_that_make_no_impact_are_refused(tmp_path):
     for text in ("impact.angle=0 deg:20 deg", "strike.duration=0.1:0.2", "contact.restitution=0.5:1.5"):
-        arguments = ["study", "uncertainty", IMPACT, "--range", text, "--out", str(tmp_path / "out")]
+        arguments = ["study", "uncertainty", LINEAR_TRUCK, "--range", text, "--out", str(tmp_path / "out")]
         assert cli._status(arguments) == 2
     assert not (tmp_path / "out").exists()
 
