@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from space_motions import pushes
 from space_vehicles import WIDTH, axle, truck, truck_unit
 
 from solver.space import SpaceStrip, SpaceVehicle, SpaceWall, solve_space, state
@@ -37,8 +38,7 @@ def test_moment_of_a_given_force_at_given_heights():
     strips = tuple(SpaceStrip((0.0, 10.0), (z, z), k) for z, k in ((low, 3e5), (high, 1e5)))
     held = truck_unit(roll_inertia=1e14, pitch_inertia=1e14, yaw_inertia=1e14)
     grown = np.clip((np.arange(3800) + 0.5) / 3500.0, 0.0, 1.0)
-    push = np.zeros((3800, 5))
-    push[:, 1], push[:, 4] = -2e5 * grown**3 * (10.0 - 15.0 * grown + 6.0 * grown**2), np.nan
+    push = pushes(3800, across=-2e5 * grown**3 * (10.0 - 15.0 * grown + 6.0 * grown**2))
     vehicle = SpaceVehicle((held,), tuple(axle(at, damping_ratio=0.5) for at in (2.0, 8.0)), strips)
     answers = solve_space(
         vehicle, SpaceWall(0.9), 0.0, 1e-9, interval=1e-3, step=5e-4, end=3.8, push=push, points=4

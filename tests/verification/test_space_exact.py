@@ -10,6 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
 from scipy.optimize import root
+from space_motions import energy_error, pushes
 from space_vehicles import ANGLE, FAR, MASS, SPEED, YAW, axle, truck, truck_unit
 
 from machine_code.compiled import compiled
@@ -32,14 +33,6 @@ def pushed(vehicle, push, interval, step, end):
     return solve_space(
         vehicle, LOW, 0.0, 1e-12, interval=interval, step=step, end=end, push=np.atleast_2d(push)
     ).history
-
-
-def constant(intervals, **force):
-    """Return a constant push of forces and their position."""
-    row = [force.get(name, 0.0) for name in ("along", "across", "up", "ahead")] + [
-        force.get("height", np.nan)
-    ]
-    return np.tile(row, (intervals, 1))
 
 
 @compiled
@@ -261,7 +254,7 @@ def test_small_motions_are_those_of_ten_linear_degrees(force):
     model = TenDegrees(undamped)
     squares, modes = eigh(model.stiffness(), model.mass())
     interval, end = 5e-3, 2.0
-    h = pushed(undamped, constant(round(end / interval), height=1.35, **force), interval, 5e-5, end)
+    h = pushed(undamped, pushes(round(end / interval), height=1.35, **force), interval, 5e-5, end)
     at = np.array([-5.0 + force.get("ahead", 0.0), 0.0, 1.35])
     load = np.array([0.0, force.get("across", 0.0), force.get("up", 0.0)])
     t, response = h["t"], np.zeros((h["t"].size, 10))
@@ -358,8 +351,7 @@ def tilted(force):
     """Return the history under a side force that increases slowly."""
     grown = np.clip((np.arange(4000) + 0.5) / 3000.0, 0.0, 1.0)
     rise = grown**3 * (10.0 - 15.0 * grown + 6.0 * grown**2)
-    push = np.outer(force * rise, [0.0, 1.0, 0.0, 0.0, 0.0])
-    push[:, 4] = np.nan
+    push = pushes(4000, across=force * rise)
     damped = replace(TILTED, axles=tuple(replace(a, damping_ratio=0.6) for a in TILTED.axles))
     return pushed(damped, push, 2e-2, 1e-3, 80.0)
 
@@ -447,9 +439,7 @@ def test_strips_on_body_and_axle_stop_with_second_order(height):
         for speed in (21.0, 23.0, 25.0):
             options: dict[str, Any] = {"interval": 2e-3, "step": step, "points": 1e-3, "end": 1.0}
             h = solve_space(vehicle, SpaceWall(height), speed, ANGLE, **options).history
-            energy: Any = sum(h[f"{name}_energy"] for name in ("kinetic", "gravity", "spring", "tyre"))
-            energy = energy - sum(h[f"{name}_work"] for name in ("wall", "friction", "tyre", "damping"))
-            errors.append(np.abs(energy - energy[0]).max() / energy[0])
+            errors.append(np.abs(energy_error(h)).max() / h["kinetic_energy"][0])
     means = np.sqrt(np.mean(np.reshape(errors, (3, 3)) ** 2, axis=1))
     assert (np.log2(means[:-1] / means[1:]) > 1.8).all()
     assert means[-1] < 3e-6
@@ -497,7 +487,7 @@ def test_no_restitution_is_of_second_order():
 
 def test_pushed_vehicle_without_restitution_rests_on_the_wall():
     """The wall's force is that of the push, without creep."""
-    push = np.tile([0.0, -1e5, 0.0, 0.0, np.nan], (400, 1))
+    push = pushes(400, across=-1e5)
     vehicle = held(corners(0.0, 10.0, restitution=0.0), tyre=1e6)
     h = solve_space(vehicle, SpaceWall(1.0), 0.0, 1e-9, interval=5e-3, step=1e-3, end=2.0, push=push).history
     assert h["force_normal"][-50:-1] == pytest.approx(1e5, rel=1e-6)
@@ -516,7 +506,7 @@ def test_stiff_springs_roll_as_heave_and_roll_of_one_body():
     end, interval = 1.2, 5e-3
     times = interval * (np.arange(round(end / interval)) + 0.5)
     pulse = lambda t: 2.2e5 * math.sin(math.pi * min(t / 0.3, 1.0)) ** 2  # noqa: E731
-    push = np.array([[0.0, -pulse(t), 0.0, 0.0, height] for t in times])
+    push = pushes(times.size, across=[-pulse(t) for t in times], height=height)
     h = solve_space(vehicle, LOW, 0.0, 1e-9, interval=interval, step=2e-6, end=end, push=push).history
 
     def rates(t, state):
@@ -545,9 +535,7 @@ def test_energy_balance(profile):
     """Kinetic, potential and elastic energy equal the works of all forces."""
     motion = solve_space(truck(), SpaceWall(0.81, profile, 0.35), SPEED, ANGLE, step=2e-5)
     h = motion.history
-    energy = h["kinetic_energy"] + h["gravity_energy"] + h["spring_energy"] + h["tyre_energy"]
-    works = h["wall_work"] + h["friction_work"] + h["tyre_work"] + h["damping_work"]
-    assert np.abs(energy - energy[0] - works).max() < 1e-6 * energy[0]
+    assert np.abs(energy_error(h)).max() < 1e-6 * h["kinetic_energy"][0]
     for name in ("friction_work", "tyre_work", "damping_work"):
         assert h[name][-1] < -1e3
         assert np.diff(h[name]).max() <= 1e-6
@@ -566,7 +554,7 @@ def test_second_order_by_a_smooth_force():
     """Errors of roll and yaw decrease with the squared step."""
     vehicle, interval, end = truck(), 8e-3, 0.8
     times = interval * (np.arange(round(end / interval)) + 0.5)
-    push = np.array([[0.0, 6e4 * math.sin(math.pi * t / end) ** 2, 0.0, 1.0, 1.0] for t in times])
+    push = pushes(times.size, across=6e4 * np.sin(math.pi * times / end) ** 2, ahead=1.0, height=1.0)
     ends = []
     for step in (1e-3, 5e-4, 2.5e-4, 1.25e-4, 4e-6):
         h = solve_space(vehicle, LOW, SPEED, 0.01, interval=interval, step=step, end=end, push=push).history

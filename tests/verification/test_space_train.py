@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from space_motions import energy_error
 from space_vehicles import ANGLE, SPEED, train
 
 from solver.impact import (
@@ -74,9 +75,7 @@ def test_hinge_and_wall_change_the_momentum_of_a_trailer():
 def test_energy_balance_of_a_train(motion):
     """Hinges take no energy besides that of their stiffness in roll."""
     h = motion.history
-    energy = h["kinetic_energy"] + h["gravity_energy"] + h["spring_energy"] + h["tyre_energy"]
-    works = h["wall_work"] + h["friction_work"] + h["tyre_work"] + h["damping_work"]
-    assert np.abs(energy - energy[0] - works).max() < 1e-6 * energy[0]
+    assert np.abs(energy_error(h)).max() < 1e-6 * h["kinetic_energy"][0]
     assert np.abs(h["roll_2"]).max() > 0.1
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from space_motions import pushes
 from space_vehicles import ANGLE, MASS, SPEED, axle, truck, truck_unit
 
 from machine_code.compiled import ignore_compiling
@@ -94,8 +95,7 @@ def test_box_lands_on_the_top():
     )
     end, load = 6.0, 1.5e5
     grown = np.clip((np.arange(300) + 0.5) / 150.0, 0.0, 1.0)
-    push = np.zeros((300, 5))
-    push[:, 2], push[:, 4] = -load * grown**2 * (3.0 - 2.0 * grown), np.nan
+    push = pushes(300, up=-load * grown**2 * (3.0 - 2.0 * grown))
     axles = tuple(axle(at, damping_ratio=0.5, friction=3.0) for at in (2.0, 8.0))
     vehicle = SpaceVehicle((truck_unit(),), axles, strips)
     h = solve_space(vehicle, SpaceWall(0.9), 0.0, 1e-9, interval=2e-2, step=1e-3, end=end, push=push).history
@@ -111,8 +111,7 @@ def test_landing_crushes_in_proportion_to_the_depth():
     """The force is stiffness times length times the greatest depth."""
     strips = SpaceStrip((0.0, 0.0), (0.05, 0.4), 4e6, inset=0.3), SpaceStrip((0.0, 10.0), (0.95, 0.95), 1e5)
     grown = np.clip((np.arange(400) + 0.5) / 400.0, 0.0, 1.0)
-    push = np.zeros((400, 5))
-    push[:, 2], push[:, 4] = -2e5 * grown**2, np.nan
+    push = pushes(400, up=-2e5 * grown**2)
     held = truck_unit(roll_inertia=1e14, pitch_inertia=1e14)
     axles = tuple(axle(at, damping_ratio=0.5) for at in (2.0, 8.0))
     vehicle = SpaceVehicle((held,), axles, strips)
@@ -130,8 +129,7 @@ def test_landing_crushes_in_proportion_to_the_depth():
 def test_strip_in_front_of_the_face_does_not_land():
     """The box beside the wall sinks along the face without a force."""
     strips = SpaceStrip((0.0, 0.0), (0.05, 0.4), 4e6), SpaceStrip((0.0, 10.0), (0.95, 0.95), 1e6, inset=0.1)
-    push = np.zeros((100, 5))
-    push[:, 2], push[:, 4] = -1.5e5, np.nan
+    push = pushes(100, up=-1.5e5)
     vehicle = SpaceVehicle((truck_unit(),), truck(friction=0.0).axles, strips)
     h = solve_space(vehicle, SpaceWall(0.9), 0.0, 1e-9, interval=1e-2, step=1e-3, end=1.0, push=push).history
     assert h["z_g"].min() < 1.25
@@ -338,9 +336,7 @@ def test_part_of_a_strip_above_the_top_lands_on_it():
     strip = (SpaceStrip((0.0, 0.0), (0.6, 1.2), 1e5), SpaceStrip((0.0, 10.0), (0.05, 0.05), 1.0))
     held = truck_unit(roll_inertia=1e14, pitch_inertia=1e14, yaw_inertia=1e14)
     axles = tuple(axle(at, damping_ratio=0.5) for at in (2.0, 8.0))
-    push = np.zeros((400, 5))
-    push[:, 1], push[:, 4] = -2e4, np.nan
-    push[200:, 2] = -4e5
+    push = pushes(400, across=-2e4, up=np.repeat([0.0, -4e5], 200))
     vehicle = SpaceVehicle((held,), axles, strip)
     h = solve_space(
         vehicle, SpaceWall(0.9), 0.0, 1e-9, interval=1e-3, step=1e-4, end=0.4, push=push, points=4
