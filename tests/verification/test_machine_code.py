@@ -564,8 +564,7 @@ def test_threads_meet_again_and_again():
 )
 def test_threads_are_as_many_as_the_mesh_has_work_for(elements, used):
     plan = CornerCase(*read_scene("paper-table-3", (f"plate.elements={list(elements)}", "time.threads=3")))
-    assert plan.scene.plate
-    decisions = open_threads(plan, plan.scene.plate)
+    decisions = open_threads(plan, plan.scene.needed_plate)
     assert plan.decided(decisions).scene.time.threads == used
     assert [decision.value for decision in decisions] == ([] if used == 3 else [used])
     for decision in decisions:

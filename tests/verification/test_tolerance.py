@@ -64,8 +64,7 @@ def test_give_of_a_patch_converges_to_that_of_richer_elements():
 
 
 def test_large_meshes_are_judged_by_a_coarser_one():
-    plate = read_scene("paper-abaqus", ("plate.elements=[400,120]",))[0].plate
-    assert plate is not None
+    plate = read_scene("paper-abaqus", ("plate.elements=[400,120]",))[0].needed_plate
     assert comparable_plate(plate).elements == (200, 60)
     assert comparable_plate(plate.model_copy(update={"elements": (1600, 625)})).elements == (200, 78)
     quadratic = plate.model_copy(update={"elements": (8, 4), "element": "tri6"})
@@ -74,8 +73,7 @@ def test_large_meshes_are_judged_by_a_coarser_one():
 
 def test_a_refined_plate_keeps_all_but_counts_and_kind():
     """Counts are rounded as requested, with a least value."""
-    plate = read_scene("paper-abaqus", ("plate.elements=[21,5]", "plate.distortion=0.1"))[0].plate
-    assert plate is not None
+    plate = read_scene("paper-abaqus", ("plate.elements=[21,5]", "plate.distortion=0.1"))[0].needed_plate
     assert (refined(plate).counts, refined(plate, 0.5).counts) == ((42, 10), (10, 2))
     assert refined(plate, 1.0 / 1.5, least=4, whole=round).counts == (14, 4)
     other = refined(plate, 1.0, "quad9")

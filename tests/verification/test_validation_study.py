@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from test_conformal import ROWS
 
 import tailslap
 from solver import space
@@ -102,22 +103,10 @@ def test_samples_are_the_single_impact():
 
 def test_statistics_and_report_by_hand():
     """Ratios 0.5 and 2 have the mean 1, spread exp(sqrt(2) ln 2)."""
-    row = predictions.Row(
-        "a",
-        "mean_50ms",
-        predictions.ON_THE_WALL,
-        False,
-        1e5,
-        0.9e5,
-        1.1e5,
-        2e5,
-        0.5,
-        False,
-        0.1,
-        "10000S",
-        "A",
-        "here",
-    )
+    row = ROWS[0]._replace(
+        kind=predictions.ON_THE_WALL, predicted=1e5, lower=0.9e5, upper=1.1e5, published=2e5, ratio=0.5,
+        inside=False, plateau=0.1, vehicle="10000S",
+    )  # fmt: skip
     rows = (
         row,
         row._replace(case="b", published=0.5e5, ratio=2.0, plateau=0.9),
