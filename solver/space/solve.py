@@ -163,8 +163,8 @@ def rows_of(clock: Clock) -> int:
 def workspace_of(fleet: Fleet, clock: Clock) -> SpaceWork:
     """Return the workspace for one sample of a fleet."""
     points, rows = int(fleet.strip_points.sum()), rows_of(clock)
-    counts = (part.shape[1] for part in (fleet.units, fleet.axles, fleet.strips))
-    return workspace(*counts, points, len(fleet.profile), rows)
+    units, axles, strips = (part.shape[1] for part in (fleet.units, fleet.axles, fleet.strips))
+    return workspace(units, axles, strips, points, len(fleet.profile), rows)
 
 
 def call(

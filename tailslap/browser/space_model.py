@@ -91,7 +91,7 @@ def _room(fleet: state.Fleet, finer: float, interval: float, phase: float) -> tu
 
 def column_names(case: ImpactCase) -> tuple[str, ...]:
     """Return the names of the columns of a row."""
-    return motion.column_names(len(case.scene.units), len(case.scene.axle))
+    return state.column_names(len(case.scene.units), len(case.scene.axle))
 
 
 def _unit_key(number: int, name: str) -> str:
