@@ -63,7 +63,7 @@ def written(*arguments):
 
 @pytest.fixture
 def solver(tmp_path_factory, monkeypatch):
-    """Put a script with the name of the solver first on the path."""
+    """Put a stand-in for the solver first on the path."""
 
     def put(script):
         program = tmp_path_factory.mktemp("fake") / "ccx"
