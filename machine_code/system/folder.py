@@ -41,10 +41,10 @@ def cache_folder() -> Path:
 
 @functools.cache
 def own_sources(*packages: str) -> str:
-    """Return the digest of the sources of packages of this program."""
+    """Return the digest of files and sources of packages of this program."""
     digest = hashlib.sha256()
     for source in (path for name in packages for path in sorted((ROOT / name).rglob("*.py"))):
-        digest.update(source.read_bytes())
+        digest.update(f"{source.relative_to(ROOT)}\0".encode() + source.read_bytes())
     return digest.hexdigest()
 
 

@@ -7,6 +7,5 @@ A sweep is a `Definition` (sweep_definition.py). Its runs become rows of a table
 be resumed (sweep_run.py), and end in a page (sweep_report.py).
 
 Inputs vary over ranges (input_ranges.py), from which samples and Sobol indices follow (sampling.py). `levels.py` seeks
-the lowest frequency at which a difference remains below a level, `convergence.py` extrapolates refined meshes and time
-steps, and `random_scenes.py` draws scenes.
+the lowest frequency at which a difference remains below a level, and `random_scenes.py` draws scenes.
 """

@@ -8,7 +8,6 @@ computed again.
 from __future__ import annotations
 
 import errno
-import functools
 import hashlib
 import json
 import math
@@ -24,6 +23,7 @@ from types import TracebackType
 from typing import Any, TypeVar
 
 import tailslap
+from machine_code.system.folder import own_sources
 from tailslap.errors import InputError, Interrupted, is_there, place_error
 from tailslap.storage import folder, manifest
 
@@ -73,16 +73,12 @@ FIRST = ("key", "status", "reason", "seconds")
 """Columns of the view that do not depend on the values."""
 
 
-@functools.cache
 def program() -> str:
     """Return the version of this program.
 
     It includes a digest of the sources, so that rows of two programs are never mixed.
     """
-    root, digest = Path(tailslap.__file__).parents[1], hashlib.sha256()
-    for path in sorted(path for name in PACKAGES for path in (root / name).rglob("*.py")):
-        digest.update(f"{path.relative_to(root)}\0".encode() + path.read_bytes())
-    return f"{tailslap.__version__}+{digest.hexdigest()[:16]}"
+    return f"{tailslap.__version__}+{own_sources(*PACKAGES)[:16]}"
 
 
 class Records(Mapping[Key, Any]):
