@@ -93,17 +93,13 @@ class Forces(NamedTuple):
 
         Those outside of `SHOWN`, and those of a further model, are hidden at first.
         """
-        return [
-            Line(
-                label + self.model,
-                *histories.thinned(self.t, self.curves[key] / 1e3),
-                colour,
-                **style,
-                is_shown=not self.model and (key in SHOWN or len(self.curves) <= len(SHOWN)),
-            )
-            for key, (label, colour, style) in LINES.items()
-            if key in self.curves
-        ]
+        lines, are_few = list[Line](), len(self.curves) <= len(SHOWN)
+        for key, (label, colour, style) in LINES.items():
+            if key in self.curves:
+                places = histories.thinned(self.t, self.curves[key] / 1e3)
+                is_shown = not self.model and (key in SHOWN or are_few)
+                lines.append(Line(label + self.model, *places, colour, **style, is_shown=is_shown))
+        return lines
 
 
 def draw_forces(

@@ -7,7 +7,7 @@ of a unit at rest are (x, y, z): ahead of its front, to the left of its middle, 
 """
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -94,16 +94,6 @@ class DrawnVehicle(NamedTuple):
     face: Floats
 
 
-class Resultant(NamedTuple):
-    """Largest 50 ms mean of the lateral force.
-
-    force [N]; height of its line of action [m].
-    """
-
-    force: float
-    height: float
-
-
 def column(history: History, name: str, unit: int) -> Floats:
     """Return a column of a unit, counted from 0."""
     return history[name if unit == 0 else f"{name}_{unit + 1}"]
@@ -174,8 +164,11 @@ def wheel(vehicle: DrawnVehicle, history: History, number: int, side: int, above
     return moved(vehicle, history, axle.unit, points, number)
 
 
-def draw_elevation(vehicle: DrawnVehicle, history: History, row: int, resultant: Resultant) -> Chart:
-    """Draw the unit with the largest roll in a row, from behind."""
+def draw_elevation(vehicle: DrawnVehicle, history: History, row: int, force: float, height: float) -> Chart:
+    """Draw the unit with the largest roll in a row, from behind.
+
+    force: largest 50 ms mean of the lateral force [N]; height: of its line of action [m].
+    """
     state = {name: values[row : row + 1] for name, values in history.items()}
     unit = leaning_unit(vehicle, state)
     corners, roll = box(vehicle, state, unit)[0, :, 1:], float(column(state, "roll", unit)[0])
@@ -186,7 +179,7 @@ def draw_elevation(vehicle: DrawnVehicle, history: History, row: int, resultant:
     marks = [
         Line("", np.array([0.0, high[0]]), np.zeros(2), "ink", 1.4),
         area(np.array([*vehicle.face, (low[0], top), (low[0], 0.0)]), "grey", 0.25),
-        *_force_marks(vehicle.face, resultant),
+        *_force_marks(vehicle.face, force, height),
         *_far_marks(corners[4:], corners[:4]),
         *_axle_marks(vehicle, state, unit, (1, 2)),
         area(corners[:4], "fe", 0.12),
@@ -280,9 +273,8 @@ def _centre_mark(state: History, unit: int, names: tuple[str, str]) -> list[Mark
     return [dot(centre, "ink", 3.0), Words("G", float(centre[0]), float(centre[1]), (6.0, 11.0))]
 
 
-def _force_marks(face: Floats, resultant: Resultant) -> list[Mark]:
+def _force_marks(face: Floats, force: float, height: float) -> list[Mark]:
     """Return the arrow of the force on the wall with its labels."""
-    force, height = resultant
     start = np.array([np.interp(height, face[:, 1], face[:, 0]), height])
     tip = start - (ARROW, 0.0)
     texts = (measure(force / 1e3, "kN", ".0f"), -2.0), (f"at {measure(height, 'm', '.2f')}", 11.0)
@@ -316,39 +308,27 @@ def draw_force_height(t: Floats, force: Floats, moment: Floats, levels: Mapping[
     return chart.Chart("space_force", caption, plots, histories.TIME, GROUP, chart.HALF)
 
 
-class Lift(NamedTuple):
-    """Interval with wheels of one side of an axle off the ground.
+def draw_angles(vehicle: DrawnVehicle, history: History, lifts: Sequence[Mapping[str, Any]]) -> Chart:
+    """Draw roll, pitch and lifted wheels of each unit over time.
 
-    axle: number from 0; side: of `SIDES`; start, end [s].
+    lifts: intervals with wheels off the ground by "axle", from 1, "side" of `SIDES`, "start" and "duration" [s].
     """
-
-    axle: int
-    side: str
-    start: float
-    end: float
-
-
-def draw_angles(vehicle: DrawnVehicle, history: History, lifts: Sequence[Lift]) -> Chart:
-    """Draw roll, pitch and lifted wheels of each unit over time."""
     count, wheels = len(vehicle.units), [(axle, side) for axle in range(len(vehicle.axles)) for side in SIDES]
     plots = []
     for name, label in (("roll", "roll, to the wall [deg]"), ("pitch", "pitch, nose down [deg]")):
-        lines = [
-            Line(
-                f"unit {unit + 1}" if count > 1 else name,
-                *histories.thinned(history["t"], np.degrees(column(history, name, unit))),
-                COLOURS[unit % len(COLOURS)],
-                **line_style(unit) | {"width": 1.8},
-            )
-            for unit in range(count)
-        ]
-        drawn = (*lines, Cursor("", history["t"]))
-        plots.append(chart.Plot(drawn, Axis(label), 120.0 if name == "roll" else 70.0, has_legend=count > 1))
-    rows = np.array([wheels.index((lift.axle, lift.side)) for lift in lifts], dtype=float)
-    times = np.array([(lift.start, lift.end) for lift in lifts]).reshape(-1, 2)
-    texts = [f"{lift.end - lift.start:.3f} s" for lift in lifts]
-    places = [f"axle {lift.axle + 1} {lift.side}, from {lift.start:.3f} s" for lift in lifts]
-    bars = Boxes("off the ground", times, rows[:, None] + (-0.35, 0.35), "red", texts, places)
+        drawn = list[Mark]()
+        for unit in range(count):
+            places = histories.thinned(history["t"], np.degrees(column(history, name, unit)))
+            style = line_style(unit) | {"width": 1.8}
+            text = f"unit {unit + 1}" if count > 1 else name
+            drawn.append(Line(text, *places, COLOURS[unit % len(COLOURS)], **style))
+        marks = (*drawn, Cursor("", history["t"]))
+        plots.append(chart.Plot(marks, Axis(label), 120.0 if name == "roll" else 70.0, has_legend=count > 1))
+    rows = np.array([wheels.index((lift["axle"] - 1, lift["side"])) for lift in lifts], dtype=float)
+    times = np.array([(lift["start"], lift["start"] + lift["duration"]) for lift in lifts]).reshape(-1, 2)
+    texts = [f"{end - start:.3f} s" for start, end in times.tolist()]
+    at = [f"axle {lift['axle']} {lift['side']}, from {lift['start']:.3f} s" for lift in lifts]
+    bars = Boxes("off the ground", times, rows[:, None] + (-0.35, 0.35), "red", texts, at)
     names = tuple((float(row), f"axle {axle + 1} {side}") for row, (axle, side) in enumerate(wheels))
     across = Axis("wheels off the ground", len(wheels) - 0.5, -0.5, named=names)
     plots.append(chart.Plot((bars,), across, 15.0 * len(wheels), "xy", has_grid=False, has_legend=False))

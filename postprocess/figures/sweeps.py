@@ -119,24 +119,13 @@ def draw_against(rows: SweepRows, item: Varied) -> list[Chart]:
     ]
     if apart:
         plots["difference"] = (Axis("largest difference", is_log=True), "Largest difference", apart)
-    return [
-        Chart(
-            "-".join(("against", *re.split(r"[._]", item.key), key.replace(".", "-"))),
-            f"{title} against {item.key}",
-            (
-                Plot(
-                    tuple(marks),
-                    up,
-                    250.0 if key == main else 170.0,
-                    nearest="xy" if len(rows.varied) > 1 else "x",
-                ),
-            ),
-            axis,
-            group,
-            FULL if key == main else PART,
-        )
-        for key, (up, title, marks) in plots.items()
-    ]
+    charts, name = list[Chart](), "-".join(("against", *re.split(r"[._]", item.key)))
+    for key, (up, title, marks) in plots.items():
+        height, width = (250.0, FULL) if key == main else (170.0, PART)
+        plot = Plot(tuple(marks), up, height, "xy" if len(rows.varied) > 1 else "x")
+        caption = f"{title} against {item.key}"
+        charts.append(Chart(f"{name}-{key.replace('.', '-')}", caption, (plot,), axis, group, width))
+    return charts
 
 
 def _drawn_rows(rows: SweepRows, item: Varied) -> Values:

@@ -340,8 +340,6 @@ class Chart:
 
 def _with_measures(svg: str, systems: Systems) -> str:
     """Return a drawing with its measures in all systems of units."""
-    if len(systems) == 1:
-        return systems[0].rendered(svg, "\N{NO-BREAK SPACE}")
 
     def spans(match: re.Match[str]) -> str:
         texts = {units.name: units.rendered(match[0], "\N{NO-BREAK SPACE}") for units in systems}

@@ -104,7 +104,7 @@ def test_wheels_follow_heave_and_roll_of_their_axle():
 
 def test_the_elevation_has_wall_body_strips_and_force_at_their_places():
     h = history(3, roll=[0.0, ROLL, 0.0], load_left_2=[1e4, 0.0, 1e4], y_g=2.0)
-    chart = space.draw_elevation(VEHICLE, h, 1, space.Resultant(250e3, 0.25))
+    chart = space.draw_elevation(VEHICLE, h, 1, 250e3, 0.25)
     outlines = marks(chart, Outline)
     end = chart.x.high
     assert end is not None
@@ -160,7 +160,8 @@ def test_the_height_is_the_moment_over_the_force_above_five_percent():
 
 def test_bars_are_the_intervals_of_lifted_wheels():
     """Rows from the right wheels of the first axle downwards."""
-    lifts = [space.Lift(0, "left", 0.1, 0.4), space.Lift(1, "right", 0.2, 0.25)]
+    places = (1, "left", 0.1, 0.3), (2, "right", 0.2, 0.05)
+    lifts = [dict(zip(("axle", "side", "start", "duration"), place, strict=True)) for place in places]
     chart = space.draw_angles(VEHICLE, history(5, roll=0.1, pitch=-0.05), lifts)
     (bars,) = marks(chart, Boxes, 2)
     assert np.asarray(bars.x) == pytest.approx(np.array([(0.1, 0.4), (0.2, 0.25)]))
@@ -183,7 +184,7 @@ def test_a_train_has_a_line_for_each_unit():
     labels = [[line.label for line in marks(chart, Line, plot)] for plot in (0, 1)]
     assert labels == [["unit 1", "unit 2"]] * 2
     assert [float(line.y[0]) for line in marks(chart, Line)] == pytest.approx(np.degrees([0.1, 0.3]))
-    assert "Unit 2 from behind" in space.draw_elevation(TRAIN, h, 0, space.Resultant(1e5, 0.5)).caption
+    assert "Unit 2 from behind" in space.draw_elevation(TRAIN, h, 0, 1e5, 0.5).caption
 
 
 def test_an_animation_has_both_views(tmp_path):

@@ -69,23 +69,18 @@ def charts(
     """
     drawn, one, h = geometry(vehicle, wall), motion.answers, motion.history
     row = int(np.argmin(np.abs(h["t"] - one.roll_time)))
-    resultant = drawings.Resultant(float(one.mean_50ms), float(one.height))
     interval, name = float(h["t"][1]), "mean_50ms"
     force, moment = (
         filters.force_curves(h[column][1:], interval, (name,))[name]
         for column in ("force_normal", "moment_height")
     )
     heights = {"wall": float(wall.height), "G at rest": float(vehicle.units[0].centre_height)}
-    lifts = [
-        drawings.Lift(lift["axle"] - 1, lift["side"], lift["start"], lift["start"] + lift["duration"])
-        for lift in lifted
-    ]
     return [
         *drawings.draw_films(drawn, h),
-        drawings.draw_elevation(drawn, h, row, resultant),
+        drawings.draw_elevation(drawn, h, row, float(one.mean_50ms), float(one.height)),
         drawings.draw_plan(drawn, h, row),
         drawings.draw_force_height(h["t"], force, moment, heights),
-        drawings.draw_angles(drawn, h, lifts),
+        drawings.draw_angles(drawn, h, lifted),
     ]
 
 
