@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.comparison import quantities
-from postprocess.comparison.records import Compared
+from postprocess.comparison.quantities import TAIL_SLAP, Compared
 from postprocess.svg.areas import Boxes
 from postprocess.svg.chart import FULL, PART, Axis, Chart, Plot
 from postprocess.svg.marks import Line, Swatch
@@ -63,7 +62,7 @@ class SweepRows:
     fe: Mapping[str, Values]
     rigid: Mapping[str, Values]
     difference: Mapping[str, Values]
-    compared: Compared = quantities.TAIL_SLAP
+    compared: Compared = TAIL_SLAP
 
     @property
     def worst(self) -> Values:

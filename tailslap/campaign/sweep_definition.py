@@ -16,8 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 import tailslap
-from postprocess.comparison.quantities import IN_SPACE, TAIL_SLAP
-from postprocess.comparison.records import Compared
+from postprocess.comparison.quantities import IN_SPACE, TAIL_SLAP, Compared
 from tailslap.campaign import records, sampling
 from tailslap.case import kind_of
 from tailslap.errors import InputError

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 import tailslap
-from postprocess.comparison.records import ComparedQuantity
+from postprocess.comparison.quantities import ComparedQuantity
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
 from postprocess.report.command_report import PAGE, Report, write_report
 from postprocess.report.page import Headline, Page, Section

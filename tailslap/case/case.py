@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.comparison.records import Compared
+from postprocess.comparison.quantities import Compared
 from postprocess.signals.design_forces import MASH, design_forces
 from postprocess.units import force, measure
 from tailslap.case import plate_input, resources

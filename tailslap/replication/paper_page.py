@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 import tailslap
-from postprocess.comparison.quantities import QUANTITIES
-from postprocess.comparison.records import ComparedQuantity
+from postprocess.comparison.quantities import QUANTITIES, ComparedQuantity
 from postprocess.figures.histories import COMPARED, TIME, History, thinned
 from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Page, Section
