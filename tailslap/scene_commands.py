@@ -37,17 +37,15 @@ from tailslap.studies.study import Study, prepared
 def run(
     name: str,
     changes: tuple[str, ...],
-    allow_large: bool,
     out: Path | None,
-    picture_size: tuple[int, int] | None,
     no_pictures: bool,
-    tolerance: float | None,
     resume: bool,
     full: bool,
     no_band: bool,
     force: bool,
     units: str,
     as_json: bool,
+    **arguments: Any,
 ) -> int:
     """Run a scene and write the result folder.
 
@@ -63,18 +61,12 @@ def run(
     case = case_of(scene, source)
     place = out or default_place(scene.name, case.changes)
     origin = Origin("run", scene.name, case.changes)
-    definition = {"program": program(), "scene": case.source.tables, "tolerance": tolerance}
+    definition = {"program": program(), "scene": case.source.tables, "tolerance": arguments["tolerance"]}
     with result_folder(place, force=force, origin=origin) as folder:
         if scene.contact is None and not no_pictures:
             canvas.load_beside()
         with checkpoints.checkpointed(place, definition, resume):
-            result = tailslap.run(
-                case,
-                tolerance=tolerance,
-                allow_large=allow_large,
-                picture_size=picture_size,
-                band=not no_band,
-            )
+            result = tailslap.run(case, band=not no_band, **arguments)
             assert result.fill is not None
             report = result.fill(folder, False, units)
             commit(folder.parent, origin)  # results are stored even if the pictures fail
