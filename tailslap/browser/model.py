@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -49,6 +49,7 @@ MEANS = (0.01, 0.05)
 """Widths of the means of a page, the last that of the answer [s]."""
 
 BEYOND = {
+    "impact": "whole impacts, with [contact]",
     "contact.stiffness": "vehicles that crush",
     "contact.strike_duration": "impacts with a stiffness",
     "wall": "rigid walls",
@@ -114,8 +115,7 @@ def demand_planar(case: Any) -> None:
     It is on a rigid wall, with crush. Raises InputError with the key that is beyond a page.
     """
     scene = case.scene
-    if scene.contact is None:
-        _refuse(scene, "impact", "whole impacts, with [contact]")
+    _demand(scene, {"impact": scene.contact is None})
     beyond = {
         "contact.stiffness": not scene.crushes,
         "contact.strike_duration": scene.contact.strike_duration is not None,
@@ -140,16 +140,11 @@ def demand_space(case: Any) -> None:
 
 
 def _demand(scene: Scene, beyond: Mapping[str, bool]) -> None:
-    for key, is_beyond in beyond.items():
-        if is_beyond:
-            _refuse(scene, key, BEYOND[key])
-
-
-def _refuse(scene: Scene, key: str, allowed: str) -> NoReturn:
     """Raise InputError for a scene that a page cannot compute."""
-    command = "run" if key == "wall" else "rigid"
-    why = f"the page computes {allowed}; `tailslap {command} {scene.name}` computes this scene"
-    raise InputError(key, Verbatim(scene.name), why)
+    for key in (key for key, is_beyond in beyond.items() if is_beyond):
+        command = "run" if key == "wall" else "rigid"
+        why = f"the page computes {BEYOND[key]}; `tailslap {command} {scene.name}` computes this scene"
+        raise InputError(key, Verbatim(scene.name), why)
 
 
 def _columns(case: ImpactCase, nominal: Mapping[str, float]) -> tuple[dict[str, int], list[float]]:

@@ -21,6 +21,7 @@ from postprocess.signals.design_forces import design_forces
 from postprocess.signals.filters import LABELS
 from postprocess.units import SYSTEMS
 from solver import rules
+from solver.impact import Strike
 from solver.space import SpaceAnswers, columns
 from tailslap.browser import bands, kernels, model, packaged, plate, space, space_model
 from tailslap.campaign import band_samples, sampling
@@ -297,7 +298,7 @@ def _scene(
         ],
         "ranges": [_range(item) for item in built.ranges],
         "speed": _speed(case),
-        "parts": [_part(group) for group in case.names],
+        "parts": [Strike(group, 0.0, 0.0, 0.0, 0.0).part for group in case.names],
         "rows": space_model.column_names(case) if case.scene.body else [],
         "units": parts.units[:, [0, 1, 3]].tolist(),
         "classes": [
@@ -334,13 +335,6 @@ def _compared(case: ImpactCase) -> tuple[str, float] | None:
         return None
     first = design_forces(level)[0]
     return f"{first.name}, {level}", first.force
-
-
-def _part(group: str) -> str:
-    """Return what strikes, in words."""
-    from solver.impact import Strike
-
-    return Strike(group, 0.0, 0.0, 0.0, 0.0).part
 
 
 def _is_offered(case: ImpactCase, key: str) -> bool:
