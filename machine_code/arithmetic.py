@@ -29,17 +29,8 @@ COMPARISONS: dict[type[ast.cmpop], tuple[str, str, Callable[[float, float], bool
 """Names of comparisons of integers and of floats, and the same in Python."""
 
 INTRINSICS = {
-    "sqrt": 1,
-    "sin": 1,
-    "cos": 1,
-    "exp": 1,
-    "log": 1,
-    "pow": 2,
-    "fabs": 1,
-    "floor": 1,
-    "ceil": 1,
-    "rint": 1,
-}
+    **dict.fromkeys(("sqrt", "sin", "cos", "exp", "log", "fabs", "floor", "ceil", "rint"), 1), "pow": 2,
+}  # fmt: skip
 """Functions that LLVM has, with their numbers of arguments."""
 
 LIBRARY = {

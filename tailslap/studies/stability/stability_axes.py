@@ -29,13 +29,8 @@ def axes_of(scene: Scene, n: int) -> tuple[StudyAxis, ...]:
         absent = {"friction"} if corner.frictionless else set()
         absent |= {"penalty"} if corner.constraint == "exact" else set()
     else:
-        absent = (
-            {"penalty"}
-            if contact.of_corners
-            else {"contact stiffness"}
-            if scene.crushes
-            else {"contact stiffness", "restitution"}
-        )
+        absent = {"penalty"} if contact.of_corners else {"contact stiffness"}
+        absent |= set() if contact.of_corners or scene.crushes else {"restitution"}
         absent |= {"penalty"} if contact.enforcement == "exact" else set()
     axes = (_impact_axes if contact else _corner_axes)(n)
     return tuple(axis for axis in axes if axis.name not in absent)
