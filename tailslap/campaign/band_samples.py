@@ -69,7 +69,7 @@ def force_band(case: Case) -> ForceBand:
         rows, reason = _possible(case, inputs, count)
         if len(rows) < sampling.MIN_ROWS:
             return ForceBand(refusal=f"{TOO_FEW}; {reason}")
-        inputs = {key: values[rows] for key, values in inputs.items()}
+        inputs, pairs = {key: values[rows] for key, values in inputs.items()}, min(pairs, len(rows))
         speeds = two_speeds(case)
         columns = solve(_with_speeds(inputs, [*speeds.values()], pairs))
     except InputError as error:

@@ -288,6 +288,12 @@ def test_a_band_of_too_few_vehicles_is_refused(monkeypatch):
     assert band.refusal.startswith(f"{band_samples.TOO_FEW}; `axle.0.position`")
 
 
+def test_a_band_of_fewer_vehicles_than_those_at_two_speeds():
+    band = band_samples.force_band(case(SPACE, "vehicle.centre_of_mass=6.955", "body.centre_height=0.8668"))
+    assert (band.samples, band.samples + band.unsolved) == (17, band_samples.SAMPLES_OF_SLOW)
+    assert band.growth > 1.0
+
+
 def test_no_ratio_to_loads_of_lighter_vehicles():
     """A 50 ms mean stands over MASH's load of TL-4 alone.
 
