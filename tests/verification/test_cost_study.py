@@ -152,7 +152,7 @@ def test_time_step_converges_with_order_two():
         values.append(CornerCase(*read_scene("paper-abaqus", changes)).run().fe)
     for name in ("t", "slide"):
         coarse, middle, fine = (v[name] for v in values)
-        convergence = grid_convergence((coarse, middle, fine), (2.0, 2.0))
+        convergence = grid_convergence(coarse, middle, fine)
         assert convergence.order == pytest.approx(2.0, abs=0.1)
         assert convergence.gci_fine < 1e-9
 
@@ -164,7 +164,7 @@ def test_patch_converges_with_the_mesh_and_a_point_does_not(patch, finest):
     for n in (finest, finest // 2, finest // 4):
         changes = (*soft, f"plate.elements=[{n},{3 * n // 10}]")
         values.append(CornerCase(*read_scene("paper-abaqus", changes)).run().fe["v_gy"])
-    convergence = grid_convergence((values[0], values[1], values[2]), (2.0, 2.0))
+    convergence = grid_convergence(*values)
     assert (convergence.behaviour == "converging") == bool(patch)
     if patch:
         assert 1.2 < convergence.order < 2.1
