@@ -6,7 +6,7 @@ import functools
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -72,21 +72,15 @@ def deliver(
     return conclude(report, place, as_json, page)
 
 
-def deliver_case(
-    command: str,
-    case: Case,
-    compute: Callable[[], Result],
-    out: Path | None,
-    as_json: bool,
-    units: str,
-    force: bool,
-) -> int:
-    """Deliver the result of a command on a case, see `deliver`.
+def deliver_case(function: Callable[..., Result], case: Case, arguments: dict[str, Any]) -> int:
+    """Deliver the result of a function of a case, see `deliver`.
 
-    out: result folder, by default that of the scene and the command.
+    arguments: of the command of its name. The result folder is by default that of the scene and the command.
     """
-    scene, changes = case.scene.name, case.changes
+    out, force, units, as_json = (arguments.pop(key) for key in ("out", "force", "units", "as_json"))
+    command, scene, changes = function.__name__, case.scene.name, case.changes
     place = out or default_place(scene, changes, f"-{command}")
+    compute = functools.partial(function, case, **arguments)
     return deliver(compute, place, Origin(command, scene, changes), as_json, units, force=force)
 
 

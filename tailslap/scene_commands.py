@@ -196,14 +196,13 @@ def sweep(
     help="Longest time of the solver, in s.",
 )
 @options.with_options(options.place_option("-confirm"), options.FORCE, *options.WATCHED)
-def confirm(case: Case, out: Path | None, force: bool, units: str, as_json: bool, **arguments: Any) -> int:
+def confirm(case: Case, **arguments: Any) -> int:
     """Run a scene in another solver and compare the motions.
 
     The motion is compared with the exact one. The solver must be installed; exit status 1 if the difference exceeds the
     limit, 3 if the solver fails.
     """
-    compute = functools.partial(tailslap.confirm, case, **arguments)
-    return delivery.deliver_case("confirm", case, compute, out, as_json, units, force)
+    return delivery.deliver_case(tailslap.confirm, case, arguments)
 
 
 @click.command()
@@ -222,10 +221,9 @@ def check(case: Case, as_json: bool, **arguments: Any) -> int:
 @options.with_options(options.ALLOW_LARGE)
 @options.option("--count", type=options.Whole(1, 1000), default=10, help="Number of elastic modes.")
 @options.with_options(options.place_option("-modes"), options.FORCE, *options.WATCHED)
-def modes(case: Case, out: Path | None, force: bool, units: str, as_json: bool, **arguments: Any) -> int:
+def modes(case: Case, **arguments: Any) -> int:
     """Compute natural frequencies and mode shapes of the plate."""
-    compute = functools.partial(tailslap.modes, case, **arguments)
-    return delivery.deliver_case("modes", case, compute, out, as_json, units, force)
+    return delivery.deliver_case(tailslap.modes, case, arguments)
 
 
 @click.command()
@@ -250,11 +248,10 @@ def modal(case: Case, as_json: bool, **arguments: Any) -> int:
 @click.command()
 @delivery.takes_a_case
 @options.with_options(options.place_option("-parapet"), options.NO_BAND, options.FORCE, *options.WATCHED)
-def parapet(case: Case, out: Path | None, no_band: bool, force: bool, units: str, as_json: bool) -> int:
+def parapet(case: Case, no_band: bool, **arguments: Any) -> int:
     """Compare the strength of the parapet with the force.
 
     The flexural strength of [parapet] by AASHTO LRFD A13.3.1 and between proven bounds of limit analysis. Exit status
     1 if there is no proof, or the bounds differ by more than 1 %, 2 % under the load of this impact.
     """
-    compute = functools.partial(tailslap.parapet, case, band=not no_band)
-    return delivery.deliver_case("parapet", case, compute, out, as_json, units, force)
+    return delivery.deliver_case(tailslap.parapet, case, arguments | {"band": not no_band})
