@@ -19,7 +19,7 @@ from fem.modal.collocation import REACHED, run_to_strike
 from fem.model.plate_model import PlateModel
 from fem.plate.free_modes import free_modes
 from fem.plate.properties import RigidStart
-from fem.start.inertia_relief import ElasticFields, to_global
+from fem.start.inertia_relief import ElasticFields, at_corner, to_global
 from machine_code.compiled import OnCompile, compile_once, ignore_compiling
 
 OVERTIME = 1.5
@@ -105,7 +105,8 @@ def modal_plate(plate: PlateModel, count: int) -> ModalPlate:
         raise ValueError("the modal model does not support damping of the plate")
     masses, positions = parameters.mass, plate.discretisation.positions
     body = positions - (positions @ masses / masses.sum())[:, None]
-    loads = _loads(masses, body, parameters.corner)
+    arm = at_corner(plate, body)[:, 0]
+    loads = _loads(masses, body, arm, parameters.corner)
     fields = np.array([plate.elastic(load.ravel()).reshape(2, -1) for load in loads])
     fractions = np.tensordot(modes.shapes, loads, ((1, 2), (1, 2)))  # of the loads in the modes, (modes, 3)
     squares, weighted = modes.frequencies**2, modes.shapes * masses
@@ -113,7 +114,7 @@ def modal_plate(plate: PlateModel, count: int) -> ModalPlate:
     model = ModalModel(
         mass=float(masses.sum()),
         inertia=float(masses @ (body**2).sum(axis=0)),
-        arm=_at(body, parameters.corner),
+        arm=arm,
         squares=squares,
         corner=np.ascontiguousarray(fractions[:, :2].T),
         growth=np.ascontiguousarray(fractions[:, 2]),
@@ -143,25 +144,19 @@ def with_fewer_modes(modal: ModalPlate, count: int) -> ModalPlate:
     return ModalPlate(fewer, modal.weighted[:count])
 
 
-def _loads(masses: np.ndarray, body: np.ndarray, corner: CornerConstraint) -> np.ndarray:
+def _loads(masses: np.ndarray, body: np.ndarray, arm: np.ndarray, corner: CornerConstraint) -> np.ndarray:
     """Return the nodal forces of the three loads, shape (3, 2, nodes).
 
     Each is in equilibrium: the reaction with the inertia of the rigid motion that it causes, and the centrifugal
-    forces without further forces.
+    forces without further forces. arm: from the mass centre to the corner [m], shape (2,).
     """
-    total, inertia = masses.sum(), masses @ (body**2).sum(axis=0)
-    arm, loads = _at(body, corner), []
+    total, inertia, loads = masses.sum(), masses @ (body**2).sum(axis=0), []
     for direction, moment in ((np.array([1.0, 0.0]), -arm[1]), (np.array([0.0, 1.0]), arm[0])):
         turning = np.array([-body[1], body[0]]) * (moment / inertia)
         load = -masses * (direction[:, None] / total + turning)
         load[:, corner.nodes] += np.outer(direction, corner.weights)
         loads.append(load)
     return np.array([*loads, masses * body])
-
-
-def _at(field: np.ndarray, corner: CornerConstraint) -> np.ndarray:
-    """Return the value of a nodal field at the corner, shape (2,)."""
-    return np.asarray(field[:, corner.nodes] @ corner.weights)
 
 
 @dataclass(frozen=True)

@@ -71,11 +71,6 @@ class Strike:
         """Duration [s]."""
         return self.end - self.start
 
-    @property
-    def mean_force(self) -> float:
-        """Impulse over duration [N]."""
-        return self.impulse / self.duration
-
 
 def strikes_of(
     t: Array,

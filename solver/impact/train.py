@@ -179,11 +179,6 @@ class ImpactVehicle:
             return self.yaw_inertia
         return uniform_inertia(self.length, self.width, self.mass)
 
-    @property
-    def reach(self) -> float:
-        """Distance from the centre of mass to the farthest corner [m]."""
-        return math.hypot(max(self.front_distance, self.length - self.front_distance), self.width / 2.0)
-
 
 @dataclass(frozen=True)
 class ImpactState:

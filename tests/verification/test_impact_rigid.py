@@ -401,7 +401,7 @@ def test_the_end():
     assert impact().t_end == pytest.approx(third.end + third.duration, rel=1e-12)
     single = impact(mu=2.0, longest=9.0)
     assert len(single.strikes) == 1
-    assert single.end.y_g >= TRUCK.reach * (1.0 - 1e-4)
+    assert single.end.y_g >= 0.5 * math.hypot(TRUCK.length, TRUCK.width) * (1.0 - 1e-4)
     short = impact(end=0.05)
     assert (short.t_end, short.strikes[0].end) == (pytest.approx(0.05), pytest.approx(0.05))
     complete = impact().at(0.05)
