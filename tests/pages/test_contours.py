@@ -97,15 +97,6 @@ def test_colours_are_those_of_the_exact_velocities(pictures, name, component):
     np.testing.assert_allclose(pixels(pictures[name], at[inside]), expected, atol=2)
 
 
-def test_left_and_right_end_differ_in_v_y_and_not_in_v_x(pictures):
-    ends = element_points([3 * COLUMNS, 4 * COLUMNS - 1])
-    rear, front = pixels(pictures["contour_v_gy"], ends)
-    assert rear[:2].max() < 80, "the rear end moves fastest towards the wall: dark end of the map"
-    assert front[:2].min() > 220, "the corner P does not: bright end of the map"
-    along = pixels(pictures["contour_v_gx"], ends)
-    np.testing.assert_array_equal(along[0], along[1])
-
-
 def test_a_uniform_field_has_one_colour(pictures):
     at = element_points(slice(None))
     at = at[clear_of_words(at)]
