@@ -185,15 +185,6 @@ def other_force(law: Any, normal: float, stopping: float) -> float:
     return stopping
 
 
-def test_a_law_that_is_taken_out_is_unknown(registered):
-    law = FRICTION_LAWS.pop("smoothed")
-    try:
-        with pytest.raises(InputError, match=r"'drag', 'none' or 'signed'$"):
-            read_scene("paper-table-3", ("corner.reaction=smoothed",))
-    finally:
-        FRICTION_LAWS.register(law)
-
-
 def test_a_law_from_outside_belongs_to_the_code_of_its_loops_alone(registered):
     """All laws belong to the identity of checkpoints."""
     law = FRICTION_LAWS["smoothed"]

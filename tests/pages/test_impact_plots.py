@@ -1,6 +1,5 @@
 """Verify peaks and loops in figures of an impact."""
 
-import math
 import re
 
 import numpy as np
@@ -34,21 +33,6 @@ def points(svg, colour):
     groups = re.findall(rf'<g class="{colour}"[^>]*>(<path .*?)</g>', svg)
     paths = [re.findall(r' d="([^"]+)"', group)[0] for group in groups]
     return max(map(points_of, paths), key=len) * (1.0, -1.0)
-
-
-def test_outlines_of_a_rigid_vehicle():
-    """The first point is a front corner on the wall."""
-    theta, length, width, centre = math.radians(15.0), 10.0, 2.438, 4.2
-    heading = np.array([math.cos(theta), -math.sin(theta)])
-    across = np.array([math.sin(theta), math.cos(theta)])
-    x, y = 3.0 * np.array([1.0, 0.0]) - centre * heading + 0.5 * width * across
-    (outline,) = positions.vehicle_outlines(
-        np.array([x]), np.array([y]), np.array([theta]), length, width, centre
-    )
-    np.testing.assert_allclose(outline[0], (3.0, 0.0), atol=1e-12)
-    np.testing.assert_allclose(outline[0] - outline[1], length * heading, atol=1e-12)
-    np.testing.assert_allclose(outline[2] - outline[1], width * across, atol=1e-12)
-    np.testing.assert_allclose(outline[3] - outline[2], length * heading, atol=1e-12)
 
 
 def test_positions_name_instants_and_strikes():
