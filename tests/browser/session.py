@@ -43,21 +43,23 @@ def chromium() -> Iterator[Any]:
 @contextmanager
 def opened(
     browser: Any,
-    path: Path,
+    place: Path | str,
     width: int = 1280,
     scheme: str = "light",
     scripts: bool = True,
     is_paper: bool = False,
+    **options: Any,
 ) -> Iterator[Opened]:
     """Open a page with all folded parts.
 
-    width: in pixels; is_paper: in the layout of paper.
+    place: of its file, or its address; width: in pixels; is_paper: in the layout of paper; options: of Playwright.
     """
     view = {"width": width, "height": 900}
-    context = browser.new_context(viewport=view, color_scheme=scheme, java_script_enabled=scripts)
+    options |= {"viewport": view, "color_scheme": scheme, "java_script_enabled": scripts}
+    context = browser.new_context(**options)
     try:
         session = Opened(context.new_page())
-        address = path.resolve().as_uri()
+        address = place if isinstance(place, str) else place.resolve().as_uri()
         _listen(session, address)
         if is_paper:
             session.page.emulate_media(media="print")
@@ -73,12 +75,15 @@ def opened(
 
 
 def _listen(session: Opened, address: str) -> None:
+    """Note errors, and requests other than those of the file, or of the server."""
+    own = "/".join(address.split("/")[:3]) if address.startswith("http") else address.partition("#")[0]
+
     def message(entry: Any) -> None:
         if entry.type in ("error", "warning"):
             session.errors.append(entry.text)
 
     def request(sent: Any) -> None:
-        if sent.url != address and not sent.url.startswith("data:"):
+        if not sent.url.startswith((own, "data:")):
             session.requests.append(sent.url)
 
     session.page.on("console", message)

@@ -15,7 +15,7 @@ from typing import Any
 import click
 import numpy as np
 import pytest
-from browser import screen
+from browser import screen, session
 from shared_cases import case
 
 from machine_code import web_assembly
@@ -135,15 +135,11 @@ def opened(browser, file):
     with contextlib.ExitStack() as stack:
 
         def open_page(address: str = "", path: Path = file, **options: Any) -> Any:
-            context = browser.new_context(**{"viewport": {"width": 1280, "height": 900}} | options)
-            stack.callback(context.close)
-            tab = context.new_page()
-            tab.errors, tab.requests = [], []
-            tab.on("pageerror", lambda error: tab.errors.append(str(error)))
-            tab.on("request", lambda sent: tab.requests.append(sent.url))
-            tab.goto(f"{path.as_uri()}{address}")
-            settled(tab)
-            return tab
+            opening = session.opened(browser, f"{path.as_uri()}{address}", **options)
+            opened = stack.enter_context(opening)
+            opened.page.errors, opened.page.requests = opened.errors, opened.requests
+            settled(opened.page)
+            return opened.page
 
         yield open_page
 
@@ -184,7 +180,7 @@ def test_a_link_has_the_answer_of_the_command(opened, scene, changes, units):
     tab = opened(address)
     assert (settled(tab), tab.inner_text("#band")) == texts(scene, changes | of_page, units)
     assert tab.errors == []
-    assert len(tab.requests) == 1
+    assert tab.requests == []
 
 
 def test_one_choice_sets_vehicle_speed_angle_and_mass(opened):
@@ -325,7 +321,7 @@ def test_a_plate_runs_by_its_button(opened):
 @pytest.mark.parametrize(("width", "scheme"), [(390, "dark"), (1280, "light")])
 def test_screens(opened, width, scheme):
     """No fault by axe, and nothing beyond the window."""
-    tab = opened(f"#scene={TIPPING}", viewport={"width": width, "height": 900}, color_scheme=scheme)
+    tab = opened(f"#scene={TIPPING}", width=width, scheme=scheme)
     tab.wait_for_function("() => document.body.dataset.walls")
     tab.click("#run-plate")
     tab.wait_for_selector("#plate[data-spent]")
@@ -366,7 +362,7 @@ def test_a_truck_in_space_has_outcome_band_walls_and_views(opened):
     tab.press("#play", "Enter")
     assert tab.inner_text("#play").startswith("Play")
     assert tab.errors == []
-    assert len(tab.requests) == 1
+    assert tab.requests == []
 
 
 def test_without_motion_a_button_shows_the_next_picture(opened):

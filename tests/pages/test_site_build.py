@@ -1,6 +1,5 @@
 """Verify the build of the site, and its pages in Chromium."""
 
-import contextlib
 import functools
 import http.server
 import re
@@ -11,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from browser import screen
+from browser.session import opened
 
 import tailslap
 
@@ -76,28 +76,14 @@ def demand_equations(texts):
         assert not re.search(r"arithmatex|\$\$|<m[a-z]+>(?:\\|&(?!#x|[a-z]+;))", text)
 
 
-@contextlib.contextmanager
-def opened(browser, address, width=1280, scheme="light"):
-    """A page whose console has no error, without foreign requests."""
-    context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)
-    page, wrong = context.new_page(), []
-    allowed = (address.split("/", 3)[2], "data:")
-    page.on("console", lambda entry: wrong.append(entry.text) if entry.type == "error" else None)
-    foreign = lambda url: not any(part in url for part in allowed)  # noqa: E731
-    page.on("request", lambda sent: wrong.append(sent.url) if foreign(sent.url) else None)
-    page.goto(address)
-    page.wait_for_function("getComputedStyle(document.body).backgroundColor.length > 0")
-    page.wait_for_timeout(300)
-    yield page
-    context.close()
-    assert wrong == []
-
-
 def look(browser, address, width, scheme):
-    with opened(browser, address, width, scheme) as page:
+    with opened(browser, address, width, scheme) as session:
+        page = session.page
+        page.wait_for_timeout(300)
         assert screen.violations(page) == []
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         assert page.evaluate("getComputedStyle(document.body).backgroundColor") == GROUNDS[scheme]
+        assert (session.errors, session.requests) == ([], [])
 
 
 def test_a_page_is_accessible(browser, site):
@@ -113,17 +99,15 @@ def test_pages_are_accessible(browser, site, name, width, scheme):
 
 
 def test_equations_are_drawn_without_a_script(browser, site):
-    context = browser.new_context(java_script_enabled=False)
-    page = context.new_page()
-    page.goto(f"{site}theory/rigid/")
-    boxes = [equation.bounding_box() for equation in page.locator("math").all()]
+    with opened(browser, f"{site}theory/rigid/", scripts=False) as session:
+        boxes = [equation.bounding_box() for equation in session.page.locator("math").all()]
     assert len(boxes) > 20
     assert min(min(box["width"], box["height"]) for box in boxes) > 4
-    context.close()
 
 
 def test_the_search_finds_and_code_can_be_copied(browser, site):
-    with opened(browser, f"{site}howto/python/") as page:
+    with opened(browser, f"{site}howto/python/") as session:
+        page = session.page
         search = page.get_by_placeholder("Search")
         search.click()
         page.get_by_text("Type to start searching").wait_for(state="attached")  # the index is there
