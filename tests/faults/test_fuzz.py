@@ -207,8 +207,7 @@ BEYOND = (
     *("strike.duration=1e-320", "vehicle.length=1e308", "impact.speed=1e9", "impact.speed=1e-300"),
     *("plate.thickness=1e-300", "plate.thickness=1e300", "plate.density=1e300", "corner.penalty_scale=1e300"),
     *(f"vehicle.length={text}" for text in (DEEP, DIGITS, "\uff11\uff10 m", "1\r0")),
-    *("plate.thickness=1\nfoo=2", "plate.thickness=1 # inch", "plate.elements=[0, 6]", "vehicle.mass=nan"),
-    *("impact.friction=2", "impact.angle=89 deg", "colour=1"),
+    *("plate.thickness=1\nfoo=2", "plate.thickness=1 # inch"),
 )
 """Changes that are refused by the name of their key."""
 SECONDS = 5.0
@@ -226,7 +225,6 @@ SECONDS = 5.0
         *(((*RIGID, "--set", change), change.partition("=")[0]) for change in BEYOND),
         ((*RIGID, "--set", ".".join("a" * 5000) + "=1"), "KEY=VALUE"),
         ((*RIGID, "--set", "a" * 100_000 + "=1"), "KEY=VALUE"),
-        ((*RIGID, "--set", 'impact.friction="0.47"'), "a plain number"),
         *(((*CHECK, change), change.partition("=")[0]) for change in UNAFFORDABLE),
         ((*CHECK, "plate.elements=[1500,1500]"), "--allow-large"),
         (("check", "mash-tl4-sut", "--set", "impact.speed=1e-5"), "impact.speed"),
@@ -234,7 +232,6 @@ SECONDS = 5.0
         *((("modal", "mash-tl4-sut", "--modes", count), "--modes") for count in ("0", "\uff14")),
         (("run", "mash-tl4-sut", "--out", ""), "--out"), ((*SWEEP, "name=a,b"), "--vary"),
         ((*SWEEP, "corner.friction=0.1,0.2", "--cluster", ""), "--cluster"),
-        ((*SWEEP, "corner.friction=0.1,0.2", "--vary", "corner.friction=0.3"), "is varied twice"),
         ((*SWEEP, "corner.friction=0.1:0.2:\uff13"), "corner.friction"),
         ((*SPREAD, "--fix", "impact.speed", "--range", "impact.speed=1:2"), "--fix"),
         ((*SPREAD, "--range", "impact.speed=1:2", "--range", "impact.speed=1:3"), "--range"),

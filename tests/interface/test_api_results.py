@@ -1,7 +1,6 @@
 """Verify pages, plots, pictures and data frames of Python results."""
 
 import sys
-from typing import Any
 
 import numpy as np
 import pytest
@@ -118,19 +117,6 @@ def test_columns_say_what_is_missing(result, monkeypatch):
         monkeypatch.setitem(sys.modules, library, None)
         with pytest.raises(ImportError, match=f"{library} is not installed: `pip install {library}`"):
             getattr(result.histories["FE"], f"to_{library}")()
-
-
-def test_columns_go_to_a_data_frame(monkeypatch):
-    class Frame(dict[str, Any]):
-        def __init__(self, columns):
-            super().__init__(columns)
-            self.attrs: dict[str, Any] = {}
-
-    fake = type(sys)("pandas")
-    fake.DataFrame = Frame  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "pandas", fake)
-    frame = Columns({"t": np.arange(3.0)}, {"t": "s"}).to_pandas()
-    assert (list(frame["t"]), frame.attrs["units"]) == ([0.0, 1.0, 2.0], {"t": "s"})
 
 
 @pytest.mark.parametrize("library", ["pandas", "polars"])

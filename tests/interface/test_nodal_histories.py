@@ -58,16 +58,6 @@ def test_rigid_rotation_is_exact():
     assert motion["y_g"] == pytest.approx(centre[1] + SPEED[1] * T, rel=1e-14)
 
 
-def test_calculix_file_gives_the_same_motion(tmp_path):
-    """Seven digits of the file."""
-    displacements, velocities = rigid_nodes()
-    nodes = nodal.read_calculix(write_dat(tmp_path / "plate.dat", displacements, velocities))
-    assert nodes.numbers.tolist() == [1, 2, 3, 4]
-    assert nodes.t == pytest.approx(T, rel=1e-15)
-    assert nodes.displacements == pytest.approx(displacements, rel=1e-6)
-    assert nodes.velocities == pytest.approx(velocities, rel=1e-6)
-
-
 def write_nodout(path, displacements, velocities):
     """A nodout file of LS-DYNA with translations and rotations."""
     heading = " n o d a l   p r i n t   o u t   f o r   t i m e  s t e p{:8d}{:30s}( at time{:14.7E} )"
@@ -120,6 +110,8 @@ def write_radioss(path, displacements, velocities):
 
 WRITERS = {"nodout": write_nodout, "abaqus.rpt": write_field_report, "plateT01.csv": write_radioss}
 ALL_WRITERS = {"plate.dat": write_dat, **WRITERS}
+ERRORS = {"plate.dat": 1e-6, "nodout": 2e-4, "abaqus.rpt": 1e-6, "plateT01.csv": 1e-5}
+"""Relative errors by the digits of the files."""
 LAST_LINES = {"plate.dat": 42, "nodout": 44, "abaqus.rpt": 77, "plateT01.csv": 4}
 
 
@@ -148,11 +140,11 @@ def exact(folder, time="t"):
 def test_files_of_other_programs_give_the_same_motion(name, tmp_path, compared):
     """Agreement is to the digits of the files."""
     path = ALL_WRITERS[name](tmp_path / name, *rigid_nodes())
-    motion = nodal.read_centre_of_mass(path)
+    motion, rel = nodal.read_centre_of_mass(path), ERRORS[name]
     assert motion["t"] == pytest.approx(T, rel=1e-6)
-    assert motion["omega"] == pytest.approx(SPIN, rel=2e-4)
-    assert np.transpose([motion["v_gx"], motion["v_gy"]]) == pytest.approx(np.tile(SPEED, (3, 1)), rel=2e-4)
-    assert motion["rotation"] == pytest.approx(SPIN * T, rel=2e-4)
+    assert motion["omega"] == pytest.approx(SPIN, rel=rel)
+    assert np.transpose([motion["v_gx"], motion["v_gy"]]) == pytest.approx(np.tile(SPEED, (3, 1)), rel=rel)
+    assert motion["rotation"] == pytest.approx(SPIN * T, rel=rel)
     status, output = compared(path, exact(tmp_path))
     assert status == 0
     assert "All 3 histories" in output

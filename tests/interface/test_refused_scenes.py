@@ -32,7 +32,7 @@ TYPED = {
     ("impact.angle", "of at least 1.75e-06 rad and below 1.57 rad"): ["15"],
     ("impact.speed", "from 2.24e-06 mph to 22300 mph"): ["0 mph", "1e5 mph"],
     ("impact.angle", "a string with its unit"): ['"15"'], ("impact.friction", "from 0 to"): ["-0.1"],
-    ("impact.friction", "a plain number"): ["0.4 m"], ("impact.restitution", "from 0 to 1"): ["1.2"],
+    ("impact.friction", "a plain number"): ["0.4 m", '"0.47"'], ("impact.restitution", "from 0 to 1"): ["1.2"],
     ("impact.convention", "'paper' or 'newton'"): ["mine"], ("start.omega", "from 1e-09 rad/s"): ["-1"],
     ("start.angle", "below 90 deg"): ["100 deg"], ("corner.reaction", "'drag', 'none' or 'signed'"): ["push"],
     ("corner.penalty_scale", "from 1e-06"): ["0"],
