@@ -1,13 +1,17 @@
-"""Read the samples of a chart, which pages offer as a table."""
+"""Read samples, words and marks of a chart."""
 
+import re
 from itertools import compress
 from typing import NamedTuple
+from xml.etree import ElementTree
 
 import numpy as np
 
 from postprocess.svg.areas import Boxes, Layer, Outline
 from postprocess.svg.marks import Line
 from postprocess.units import SI
+
+SVG = "{http://www.w3.org/2000/svg}"
 
 
 class Samples(NamedTuple):
@@ -55,3 +59,35 @@ def _of(mark, log_x, log_y):
 
 def _texts(column):
     return [SI.rendered(text) if isinstance(text, str) else f"{text:.6g}" for text in column]
+
+
+def columns(chart):
+    """Samples of a chart by label.
+
+    Each has the heading of the positions, the positions and the values.
+    """
+    return {row.label: (row.where, row.at, row.values) for row in samples(chart)}
+
+
+def shown(chart):
+    """What pages show, by label."""
+    return {label: values for label, (_, _, values) in columns(chart).items()}
+
+
+def texts(svg):
+    """Words of a drawing."""
+    elements = ElementTree.fromstring(svg).iter(SVG + "text")
+    return ["".join(element.itertext()).replace("\u200b", "").strip() for element in elements]
+
+
+def path_of(svg, label):
+    """Steps of the path with a label."""
+    paths = ElementTree.fromstring(svg).iter(SVG + "path")
+    (path,) = [path for path in paths if path.get("data-label") == label]
+    return path.get("d", "")
+
+
+def boxes(svg, colour):
+    """Left, top, right and bottom of the boxes of a colour."""
+    (path,) = re.findall(rf'<g class="{colour}"[^>]*><path d="(M[^"]*H[^"]*)"', svg)
+    return np.array(re.findall(r"M(\S+) (\S+)H(\S+)V(\S+?)H", path), float)

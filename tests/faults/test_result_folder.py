@@ -10,8 +10,7 @@ import itertools
 import json
 import os
 import shutil
-import subprocess
-import sys
+import signal
 import threading
 from pathlib import Path
 
@@ -523,28 +522,21 @@ def test_a_reader_waits_for_who_is_moving_its_files(earlier, monkeypatch):
     assert LOG not in os.listdir(earlier)
 
 
-DYING = """
-import os, sys
-from pathlib import Path
-from tailslap.storage.folder import result_folder
-with result_folder(Path(sys.argv[1])) as folder:
-    (folder / "half.csv").write_text("1,")
-    print("filling", flush=True)
-    sys.stdin.read()
-    os.kill(os.getpid(), 9)
-"""
-
-
 def test_the_lock_goes_with_its_process_and_what_that_has_left_is_dropped(tmp_path):
-    place = tmp_path / "out"
-    command, pipe = [sys.executable, "-c", DYING, str(place)], subprocess.PIPE
-    process = subprocess.Popen(command, stdin=pipe, stdout=pipe)
-    assert process.stdout
-    assert process.stdout.readline() == b"filling\n"
+    place, (ready, filling) = tmp_path / "out", os.pipe()
+    if not (child := os.fork()):
+        try:
+            with result_folder(place) as new:
+                (new / "half.csv").write_text("1,")
+                os.write(filling, b".")
+                signal.pause()
+        finally:
+            os._exit(0)
+    os.read(ready, 1)
     refused(place, "another command uses this folder")
     assert (place / NEW / "half.csv").exists()
-    process.communicate()
-    assert process.returncode == KILLED
+    os.kill(child, signal.SIGKILL)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == KILLED
     write(place, OLD)
     assert set(texts(place)) == {*OLD, NAME}
 

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 from browser.charts import points_of
-from chart_samples import samples
+from chart_samples import samples, texts
 
 from postprocess.figures import animation, impact, positions
 from postprocess.svg.marks import Line, Words
@@ -22,10 +22,6 @@ def found(pattern, svg):
     match = re.search(pattern, svg, re.DOTALL)
     assert match
     return match[1]
-
-
-def texts(svg):
-    return [re.sub(r"<[^>]+>", "", text).strip() for text in re.findall(r"<text.*?</text>", svg, re.DOTALL)]
 
 
 def points(svg, colour):
