@@ -10,8 +10,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from browser.pages import Parsed
 from processes import imported
-from test_postprocess_report import Parsed
 
 from postprocess.report.prose import prose
 from postprocess.report.provenance import CRATE
