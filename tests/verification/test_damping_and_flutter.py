@@ -129,11 +129,6 @@ def test_stable_step_with_damping():
     assert damped_time_step(frequency, 0.0) == 2.0 / frequency
 
 
-def test_without_it_there_is_no_code(plate_model):
-    assert plate_model(reaction="drag").parameters.elastic_damping is None
-    assert plate_model(reaction="drag", elastic_rate=1.0).parameters.elastic_damping.rate == 1.0
-
-
 DURATION = 0.384
 
 

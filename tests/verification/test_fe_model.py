@@ -8,8 +8,6 @@ from fem.laws.constraints import CornerConstraint, Penalty, add_corner_reaction
 from fem.laws.friction import Drag, Signed
 from fem.plate.discretisation import discretise
 from fem.plate.nodal_masses import exact_inertia_masses, row_sum_masses
-from fem.plate.spectrum import Spectrum
-from fem.plate.support import corner_support
 from fem.run.corner import Stepper
 from fem.start.inertia_relief import RigidStart
 from meshes import plate_mesh
@@ -97,16 +95,6 @@ def test_damped_step_of_a_plate_that_hardly_touches_its_spring(plate_model):
     model = plate_model(elements=(6, 3), corner={"penalty_scale": 1e-9}, damping_ratio=0.3)
     expected = 2.0 * (np.sqrt(1.09) - 0.3) / model.highest_frequency
     assert model.stable_time_step == pytest.approx(expected, rel=1e-5)
-
-
-def test_highest_frequency_counts_the_penalty_spring(plate_model):
-    """A stiff spring on the corner's mass has w^2 = k/m."""
-    model = plate_model(elements=(6, 3))
-    node, mass = model.parameters.corner.nodes[0], model.parameters.mass
-    stiff = 1e5 * model.parameters.corner.stiffness
-    corner = model.parameters.corner._replace(constraint=Penalty(stiff))
-    frequency = Spectrum(model.stiffness, mass, corner_support(corner)).frequency
-    assert frequency == pytest.approx(np.sqrt(stiff / mass[node]), rel=1e-4)
 
 
 def one_node(mass):

@@ -268,17 +268,7 @@ def of_kind(model, modes, kind):
     return hertz(modes)[[name == kind for name in names]]
 
 
-def test_a_slender_plate_bends_as_a_beam(plate_model):
-    """A slender plate is 1.4e-3 below Euler-Bernoulli, 2e-5 from Timoshenko."""
-    model = strip(plate_model, 0.2, (100, 2), element="quad9")
-    frequencies = hertz(free_modes(model, 3))
-    beam = beams.Beam(10.0, 0.2, **STEEL)
-    off = frequencies / beams.euler_bernoulli_frequencies(beam, 3) - 1.0
-    assert -1.5e-3 < off[0] < -1.3e-3
-    assert np.abs(frequencies / beams.timoshenko_frequencies(beam, 3) - 1.0).max() < 6e-5
-
-
-@pytest.mark.parametrize(("depth", "limit"), [(0.2, 1e-4), (0.5, 2e-4), (1.0, 6e-4), (2.438, 1.5e-3)])
+@pytest.mark.parametrize(("depth", "limit"), [(0.2, 6e-5), (0.5, 2e-4), (1.0, 6e-4), (2.438, 1.5e-3)])
 def test_bending_with_timoshenkos_correction(plate_model, depth, limit):
     """Without the correction the third bending mode is off by 43 %."""
     model = strip(plate_model, depth, (60, 4), element="quad9")
@@ -341,19 +331,13 @@ def test_all_modes_against_lapack(plate_model, element):
     masses = np.tile(model.parameters.mass, 2)
     squares = scipy.linalg.eigvalsh(model.stiffness.toarray() / np.sqrt(np.outer(masses, masses)))
     assert modes.frequencies**2 == pytest.approx(squares[3 : 3 + count], rel=1e-9)
+    assert modes.rigid_frequencies.shape == (3,)
+    assert modes.rigid_frequencies.max() < 1e-6 * modes.frequencies[0]
     shapes = np.concatenate([modes.rigid, modes.shapes]).reshape(3 + count, -1)
     assert np.abs((shapes * masses) @ shapes.T - np.eye(3 + count)).max() < 1e-9
     stiff = shapes @ (model.stiffness @ shapes.T) / modes.frequencies[-1] ** 2
     squares = [0.0] * 3 + list(modes.frequencies**2 / modes.frequencies[-1] ** 2)
     assert np.abs(stiff - np.diag(squares)).max() < 1e-9
-
-
-def test_three_modes_of_no_frequency(plate_model):
-    modes = free_modes(plate_model(), 4)
-    assert modes.rigid_frequencies.shape == (3,)
-    assert modes.rigid_frequencies.max() < 1e-6 * modes.frequencies[0]
-    for motion in modes.rigid:  # the distances of nodes do not change to first order: no strain
-        assert np.ptp(motion, axis=1).min() < 1.0
 
 
 def test_frequencies_go_with_the_root_of_the_modulus(plate_model):

@@ -15,7 +15,6 @@ from tailslap.campaign import records, space_samples
 from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
-from tailslap.studies import find_study
 from tailslap.studies.tipping import tipping_report, tipping_study
 from tailslap.validation.tables import parameters
 
@@ -272,7 +271,3 @@ def test_the_command_with_another_profile(tmp_path, monkeypatch):
     at_scene = next(row for row in summary["walls"] if row["height_of_wall"] == pytest.approx(36 * INCH))
     assert at_scene["upright"] == by_profile["f-shape"]
     assert "f-shape" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-
-
-def test_it_is_a_study():
-    assert find_study("tipping").name == "tipping"

@@ -8,21 +8,18 @@ import csv
 import json
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 import sobol_coverage as benchmark
-from sampled_impacts import sampled_impacts
 from scipy import stats
 from shared_cases import LINEAR_TRUCK
 
 from postprocess.report.command_report import write_report
 from postprocess.report.provenance import CRATE
 from postprocess.report.terminal import printed
-from postprocess.signals.filters import force_curves, moving_mean
+from postprocess.signals.filters import force_curves
 from postprocess.units import SI
-from solver.impact import CrushLaw, ImpactVehicle, WallContact, first_touch, solve_impact
 from tailslap import cli, errors, studies
 from tailslap.campaign import planar_ranges, sampling
 from tailslap.campaign.input_ranges import Range
@@ -555,25 +552,6 @@ def test_many_impacts_are_the_single_one():
     assert plan.scene.impact.speed == pytest.approx(25.034, rel=1e-4)
     for name in strike_columns.COLUMNS:
         assert many[name] == pytest.approx(exact[name], rel=1e-3), name
-
-
-def test_rows_of_the_force_history_hold_impulse_and_mean():
-    inputs: dict[str, Any] = {"length": 10.0, "width": 2.438, "mass": 9979.0, "speed": 25.0}
-    inputs |= {"angle": 0.26, "friction": 0.47}
-    impacts = sampled_impacts(**inputs, stiffness=np.array([[1e6, 2e6]]), restitution=0.22, interval=5e-4)
-    assert impacts.mean_force.shape[1:] == (1, 2)
-    for force, k in zip(impacts.mean_force[:, 0].T, (1e6, 2e6), strict=True):
-        vehicle = ImpactVehicle(10.0, 2.438, 9979.0)
-        contact, touch = WallContact(CrushLaw(k, 0.0, 0.22), 0.47), first_touch(vehicle, 0.26, 25.0)
-        motion = solve_impact(vehicle, contact, touch)
-        t = np.linspace(0.0, motion.t_end, 20_001)
-        impulse = motion.at(t).impulse_normal
-        mean = (np.interp(t + 0.05, t, impulse) - impulse).max() / 0.05
-        padded = np.concatenate([[0.0], force, np.zeros(100)])
-        assert moving_mean(padded, 5e-4, 0.05).max() == pytest.approx(mean, rel=1e-3)
-    first = impacts.mean_force[: round(0.2 / 5e-4)].sum(axis=0) * 5e-4
-    assert first == pytest.approx(impacts.impulse[0], rel=1e-9)
-    assert sampled_impacts(**inputs, stiffness=1e6, restitution=0.2).mean_force.shape == (0,)
 
 
 def test_filtered_peaks_are_those_in_the_strike():
