@@ -22,7 +22,6 @@ from fem.run.impact import FirstTouch, simulate_impact
 from meshes import plate_mesh
 from solver import RigidBodyError
 from solver.impact import CrushLaw, ImpactVehicle, Strip, WallContact, first_touch, solve_impact
-from tailslap import cli
 from tailslap.case.impact import run
 from tailslap.case.impact.strike_columns import both_strikes
 from tailslap.errors import InputError
@@ -370,12 +369,3 @@ def test_a_former_key_names_its_replacement(key):
         changed(LINEAR_TRAIN, **{key: 0.1})
     assert key.startswith(caught.value.key)
     assert REPLACED[key] in caught.value.allowed
-
-
-def test_the_exit_status_and_the_message(capsys):
-    changes = ["--set", "contact.initial_force=50 kN", "--set", "contact.plateau_force=40 kN"]
-    assert cli._status(["rigid", LINEAR_TRUCK, *changes]) == 2
-    message = capsys.readouterr().err.replace("\n", " ")
-    assert "contact.plateau_force" in message
-    assert "40000" in message
-    assert "at least 50000 N" in message

@@ -63,6 +63,10 @@ def impact_of(*changes, name=LINEAR_TRUCK):
     return case.ImpactCase(*read_scene(name, changes))
 
 
+def by_key(ranges):
+    return {item.key: item for item in ranges}
+
+
 def indices(spread, name):
     """One of the indices of the peak force, an entry an input."""
     return np.array([row[name] for row in spread.sources["peak_force"]])
@@ -303,8 +307,8 @@ PLANS = [
 @pytest.mark.parametrize(("name", "ranges", "changes"), PLANS)
 def test_each_combination_is_the_plan_s_own_solution(name, ranges, changes):
     plan = CornerCase(*read_scene(name, changes))
-    keys = [item.key for item in planar_ranges.corner_ranges(plan, ranges)]
     ranges = planar_ranges.corner_ranges(plan, ranges)
+    keys = [*by_key(ranges)]
     inputs, tables = sampled(ranges, 10, plan.many)
     assert list(inputs) == keys
     columns = np.array([*inputs.values()]).T[:64].tolist()
@@ -411,32 +415,28 @@ def test_default_ranges():
 
     2.5 mph, 1.5 deg, 110 lb for the pickup, 55 lb for the car.
     """
-    ranges = {item.key: item for item in planar_ranges.corner_ranges(plan_of("mash-tl3-pickup"))}
+    ranges = by_key(planar_ranges.corner_ranges(plan_of("mash-tl3-pickup")))
     expected = {"vehicle.mass": (4890 * POUND, 5110 * POUND), "impact.speed": (59.5 * MPH, 64.5 * MPH)}
     expected |= {"impact.angle": (23.5 * DEGREE, 26.5 * DEGREE), "impact.friction": (0.3, 0.6)}
     expected |= {"impact.restitution": (0.0, 0.4), "strike.duration": (0.08, 0.18)}
     assert set(ranges) == set(expected)
     for key, ends in expected.items():
         assert (ranges[key].lower, ranges[key].upper) == pytest.approx(ends, rel=1e-12)
-    ranges_of_car = planar_ranges.corner_ranges(plan_of("mash-tl1-car"))
-    (mass,) = (item for item in ranges_of_car if item.key == "vehicle.mass")
+    mass = by_key(planar_ranges.corner_ranges(plan_of("mash-tl1-car")))["vehicle.mass"]
     assert (mass.lower / POUND, mass.upper / POUND) == pytest.approx((2365, 2475), rel=1e-12)
-    assert "vehicle.mass" not in {item.key for item in planar_ranges.corner_ranges(plan_of(TRUCK))}
+    assert "vehicle.mass" not in by_key(planar_ranges.corner_ranges(plan_of(TRUCK)))
 
 
 def test_only_what_the_force_depends_on_varies():
     """[start] overrides Stage 1, and a frictionless corner its coefficient."""
-    for scene, keys in (
-        ("paper-table-3", ["impact.friction", "strike.duration"]),
-        ("paper-abaqus", ["strike.duration"]),
-    ):
-        assert [item.key for item in planar_ranges.corner_ranges(plan_of(scene))] == keys
+    cases = ("paper-table-3", ["impact.friction", "strike.duration"]), ("paper-abaqus", ["strike.duration"])
+    for scene, keys in cases:
+        assert [*by_key(planar_ranges.corner_ranges(plan_of(scene)))] == keys
 
 
 def test_given_ranges_take_units_and_replace_the_default():
     texts = ("impact.speed=50 mph:60 mph", "vehicle.length=30 ft:10 m", "impact.friction=0.2:0.5")
-    items = planar_ranges.corner_ranges(plan_of(TRUCK), texts, ("impact.angle",))
-    ranges = {item.key: item for item in items}
+    ranges = by_key(planar_ranges.corner_ranges(plan_of(TRUCK), texts, ("impact.angle",)))
     for key, ends in (("impact.speed", (50 * MPH, 60 * MPH)), ("vehicle.length", (9.144, 10.0))):
         assert (ranges[key].lower, ranges[key].upper) == pytest.approx(ends)
     assert ranges["impact.friction"] == Range("impact.friction", 0.2, 0.5, "", 0.47, "--range")
@@ -569,7 +569,7 @@ def test_filtered_peaks_are_those_in_the_strike():
 def test_the_shipped_truck_varies_what_is_not_known_of_it():
     """Front and rear vary separately, about the middle values of the scene."""
     truck = impact_of(name="impact-mash-tl4-sut")
-    ranges = {item.key: item for item in planar_ranges.impact_ranges(truck)}
+    ranges = by_key(planar_ranges.impact_ranges(truck))
     expected = {f"contact.plateau_force{part}": (200e3, 500e3) for part in ("", "@rear")}
     expected |= {f"contact.hardening{part}": (1e5, 9e5) for part in ("", "@rear")}
     expected |= {"contact.restitution": (0.1, 0.35)}
@@ -591,20 +591,17 @@ def test_the_hardening_varies_where_the_scene_has_one():
     """Front and rear separately, from 0.1 to 0.9 of 0.5 MN/m."""
     keys = {"contact.hardening", "contact.hardening@rear"}
     truck = impact_of("contact.hardening=0.5 MN/m", name="impact-mash-tl4-sut")
-    ranges = {item.key: (item.lower, item.upper) for item in planar_ranges.impact_ranges(truck)}
+    ranges = by_key(planar_ranges.impact_ranges(truck))
     for key in keys:
-        assert ranges[key] == pytest.approx((1e5, 9e5), rel=1e-9)
+        assert (ranges[key].lower, ranges[key].upper) == pytest.approx((1e5, 9e5), rel=1e-9)
     peaks = truck.many({"contact.hardening@rear": np.array([0.0, 5e5])})["strike_2.raw"]
     assert peaks[0] == pytest.approx(350e3, rel=1e-6)
     assert peaks[1] > 360e3
     omitted, without = (
-        {
-            item.key: item.scene_value
-            for item in planar_ranges.impact_ranges(impact_of(*changes, name="impact-mash-tl4-sut"))
-        }
+        by_key(planar_ranges.impact_ranges(impact_of(*changes, name="impact-mash-tl4-sut")))
         for changes in ((), ("contact.hardening=0",))
     )
-    assert {omitted[key] for key in keys} == {None}
+    assert {omitted[key].scene_value for key in keys} == {None}
     assert not keys & without.keys()
 
 
