@@ -506,12 +506,6 @@ def test_rows_that_do_not_resolve_a_strike_fail(rows, power, passes):
     assert check.passed == passes, check.value
 
 
-def test_half_a_row_is_unknown_of_a_duration():
-    errors = estimated(answer(duration=0.01), [answer(duration=0.01)] * 2)
-    assert errors["strike_2.duration"] == pytest.approx(error.RESOLVED + 0.5 * INTERVAL / 0.01)
-    assert errors["strike_1.duration"] == pytest.approx(error.RESOLVED + 0.5 * INTERVAL / 0.02)
-
-
 def test_a_strike_without_weight_is_none():
     """A strike of 4 % of the largest is ignored."""
     light, heavy = (error.assessed_strikes(answer(blip=blip)) for blip in (0.04, 0.06))

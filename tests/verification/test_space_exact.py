@@ -270,15 +270,6 @@ def test_small_motions_are_those_of_ten_linear_degrees(force):
         assert np.abs(h[name] - response[:, column]).max() < 1e-5 * scale, name
 
 
-def test_rates_of_the_linear_system_are_those_of_a_truck():
-    """Three rates are zero, and heave is near springs in series."""
-    model = TenDegrees(truck(friction=0.0))
-    rates = np.sqrt(np.abs(eigh(model.stiffness(), model.mass(), eigvals_only=True))) / (2.0 * math.pi)
-    assert (rates < 0.01).sum() == 3
-    series = sum(2.0 / (1.0 / a.spring + 1.0 / a.tyre) for a in model.axles)
-    assert np.abs(rates - math.sqrt(series / MASS) / (2.0 * math.pi)).min() < 0.1
-
-
 TILTED = SpaceVehicle(
     (truck_unit(),), (axle(2.0, friction=3.0, roll_centre=0.6), axle(8.0, friction=3.0, roll_centre=0.6)), FAR
 )

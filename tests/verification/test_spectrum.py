@@ -469,16 +469,6 @@ def test_bound_converges_with_the_size_of_windows(plate_model, monkeypatch):
     assert errors[2] < 1e-3
 
 
-def test_no_node_has_less_mass_than_its_elements_say(plate_model):
-    """Reduced element masses do not exceed the exact ones, and reach one."""
-    model = plate_model(elements=(22, 11))
-    nodes = model.discretisation.table.connectivity
-    shares, surplus = windows._element_masses(nodes, model.parameters.mass)
-    assembled = np.bincount(nodes.ravel(), np.repeat(shares, nodes.shape[1])) / surplus
-    assert surplus > 1.001
-    assert (assembled / model.parameters.mass).max() == pytest.approx(1.0, abs=1e-14)
-
-
 def test_windows_are_all_of_the_plate(monkeypatch):
     monkeypatch.setattr(windows, "SIZE", 5)
     for count in (1, 4, 7, 11, 33, 58):
