@@ -75,7 +75,7 @@ def opened(
 
 
 def _listen(session: Opened, address: str) -> None:
-    """Note errors, and requests other than those of the file, or of the server."""
+    """Note errors, and requests to other addresses."""
     own = "/".join(address.split("/")[:3]) if address.startswith("http") else address.partition("#")[0]
 
     def message(entry: Any) -> None:
