@@ -112,7 +112,7 @@ def test_a_missing_system_library_is_named_with_its_packages(tmp_path, monkeypat
 
 @pytest.mark.skipif(not failing_calls.is_supported(), reason="the kernel does not ask about calls")
 @pytest.mark.parametrize(("trial", "step"), [
-    ("export-csv", 59), pytest.param("run-new", 173, marks=pytest.mark.long),
+    ("export-csv", 89), pytest.param("run-new", 173, marks=pytest.mark.long),
     pytest.param("compare", 191, marks=pytest.mark.long),
 ])  # fmt: skip
 def test_an_error_of_the_disk_is_stated_and_one_result_is_whole(trial, step):

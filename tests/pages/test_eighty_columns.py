@@ -127,7 +127,7 @@ PHRASES = st.lists(st.text("abc", min_size=1, max_size=16), min_size=1, max_size
 NUMBERS = st.text("123", min_size=1, max_size=9)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(st.data(), st.integers(40, 100), st.integers(1, 3), st.integers(1, 9))
 def test_every_word_and_number_of_a_table_is_whole(data, width, words, numbers):
     """Lines are no longer than the terminal where columns fit in pairs."""

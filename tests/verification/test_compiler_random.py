@@ -13,8 +13,8 @@ pytestmark = pytest.mark.usefixtures("keeping")
 
 @pytest.mark.parametrize("first", [100_000, 200_000])
 def test_random_programs_have_the_results_of_python(first):
-    outcomes = Counter(map(check, range(first, first + 60)))
-    assert outcomes["same"] > 45
+    outcomes = Counter(map(check, range(first, first + 36)))
+    assert outcomes["same"] > 27
 
 
 def test_random_programs_with_a_statement_outside_of_the_language_are_refused():
