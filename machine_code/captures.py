@@ -62,8 +62,11 @@ class Captures:
 
         Items of arrays are not compared. with_functions: False for names of data alone.
         """
-        reads = (self._data, self._objects) if with_functions else (self._data,)
-        return all(read(name) is value for part in reads for read, name, value in part.values())
+        for reads in (self._data, self._objects) if with_functions else (self._data,):
+            for read, name, value in reads.values():
+                if read(name) is not value:
+                    return False
+        return True
 
     def _read(self, owner: Any, read: Callable[[Any], Any], name: Any) -> Any:
         value = read(name)
