@@ -12,6 +12,7 @@ and how many meshes are made of one plate.
 from __future__ import annotations
 
 import ast
+import functools
 import sys
 import tokenize
 from collections import Counter
@@ -159,13 +160,19 @@ def imports(path: Path, names: set[str]) -> Iterator[str]:
             yield from {node.value.partition(":")[0]} & names if ":" in node.value else ()
 
 
+@functools.cache
+def import_graph(root: Path = ROOT) -> dict[str, set[str]]:
+    """Modules that each module imports anywhere."""
+    paths = {module_name(path): path for path in sources(root)}
+    return {name: set(imports(path, set(paths))) for name, path in paths.items()}
+
+
 def circles(root: Path = ROOT) -> list[list[str]]:
     """Groups of modules that import each other.
 
     Tarjan's components of more than one.
     """
-    paths = {module_name(path): path for path in sources(root)}
-    graph = {name: set(imports(path, set(paths))) - {name} for name, path in paths.items()}
+    graph = {name: imported - {name} for name, imported in import_graph(root).items()}
     reach = {name: _reached(graph, name) for name in graph}
     groups = {frozenset(other for other in reach[name] if name in reach[other]) for name in graph}
     return sorted(sorted(group) for group in groups if len(group) > 1)

@@ -1,6 +1,5 @@
 """Verify that imports follow the layers, without circles."""
 
-import functools
 import importlib
 import os
 import re
@@ -17,12 +16,6 @@ PACKAGES = {"solver", "meshes", "machine_code", "fem", "postprocess", "tailslap"
 MOST = 15
 MAX_CLIMBS = 4
 HEAVY = {"pyvista", "vtk", "vtkmodules", "matplotlib", "jinja2", "meshio", "scipy", "llvmlite"}
-
-
-@functools.cache
-def graph():
-    paths = {structure.module_name(path): path for path in structure.sources()}
-    return {name: set(structure.imports(path, set(paths))) for name, path in paths.items()}
 
 
 STEPS = ("accuracy", "contact", "counting", "instants", "step", "trajectories", "solve", "tyres")
@@ -45,7 +38,7 @@ def test_a_package_stands_alone(package):
 
     The law at one point of fem serves compiled steps of solver.
     """
-    for name, imported in graph().items():
+    for name, imported in structure.import_graph().items():
         if name.split(".")[0] == package:
             foreign = {name for name in imported if name.split(".")[0] != package}
             if package == "fem" or name in COMPILED:
@@ -57,7 +50,7 @@ def test_a_package_stands_alone(package):
 def test_folders_of_fem_import_downward():
     order = ("limit", "laws", "plate", "explicit", "model", "start", "stability", "run")
     level = {folder: height for height, folder in enumerate(order)} | {"modal": order.index("stability")}
-    for name, imported in graph().items():
+    for name, imported in structure.import_graph().items():
         if name.startswith("fem.") and (folder := name.split(".")[1]) in level:
             inner = (name for name in imported if name.startswith("fem.") and name.count(".") > 1)
             folders = {name.split(".")[1] for name in inner}
@@ -84,7 +77,7 @@ def test_a_script_loads_what_it_uses(script, python):
 
 
 def test_nothing_imports_the_command_line():
-    importing = [name for name, imported in graph().items() if "tailslap.cli" in imported]
+    importing = [name for name, imported in structure.import_graph().items() if "tailslap.cli" in imported]
     assert importing == ["tailslap.__main__"]
 
 
@@ -99,7 +92,7 @@ def test_no_folder_lists_more_modules_than_one_reads():
 
 
 def test_importing_postprocess_loads_nothing_heavy(python):
-    modules = sorted(name for name in graph() if name.split(".")[0] == "postprocess")
+    modules = sorted(name for name in structure.import_graph() if name.split(".")[0] == "postprocess")
     code = f"import sys, {', '.join(modules)}; print(*sys.modules)"
     run = python(code, check=True, cwd=ROOT)
     loaded = {name.split(".")[0] for name in run.stdout.split()}
