@@ -153,9 +153,12 @@ def possible_samples(scene: Scene, inputs: Mapping[str, Array]) -> tuple[list[in
 def sample_answers(scene: Scene, inputs: Mapping[str, Any], names: Iterable[str]) -> dict[str, Array]:
     """Return answers of `solver.space` by name, shape (n,).
 
-    inputs: see `expanded`. Raises RigidBodyError.
+    inputs: see `expanded`. Raises InputError.
     """
-    answers = space.solve_spaces(*space_input(scene, expanded(scene, inputs)))
+    try:
+        answers = space.solve_spaces(*space_input(scene, expanded(scene, inputs)))
+    except RigidBodyError as error:
+        raise InputError(error.key, Verbatim(error.value), f"{error.why}; allowed: {error.allowed}") from None
     return {name: getattr(answers, name) for name in names}
 
 
@@ -166,9 +169,6 @@ def solve_samples(source: Source, inputs: Mapping[str, Array]) -> dict[str, Any]
     """
     began = time.process_time()
     scene, _ = vary(source, {})
-    try:
-        answers = sample_answers(scene, inputs, COLUMNS)
-    except RigidBodyError as error:
-        raise InputError(error.key, Verbatim(error.value), f"{error.why}; allowed: {error.allowed}") from None
+    answers = sample_answers(scene, inputs, COLUMNS)
     columns = {name: values.tolist() for name, values in answers.items()}
     return columns | {"processor": time.process_time() - began}

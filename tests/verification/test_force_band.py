@@ -295,6 +295,11 @@ def test_a_band_of_fewer_vehicles_than_those_at_two_speeds():
     assert band.growth > 1.0
 
 
+def test_a_band_of_vehicles_that_oscillate_too_fast_is_refused():
+    band = band_samples.force_band(case(SPACE, "axle.0.spring=1e14"))
+    assert "too fast to be followed" in band.refusal
+
+
 def test_no_ratio_to_loads_of_lighter_vehicles():
     """A 50 ms mean stands over MASH's load of TL-4 alone.
 
