@@ -270,7 +270,7 @@ class Result:
         """
         from postprocess.figures.histories import Curve, plot_overlays
 
-        over = self.summary.get("definition", {}).get("vary", ["t"])[0].partition("=")[0]
+        over = self.summary.get("definition", {}).get("vary", ["t"])[0].partition("=")[0].strip()
         drawn = {label: columns for label, columns in self.histories.items() if over in columns}
         if not drawn:
             raise InputError("plot", Missing, "this result has no history over time")

@@ -5,6 +5,7 @@ import linecache
 import subprocess
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -159,6 +160,9 @@ def test_without_a_folder_a_sweep_writes_nothing(tmp_path, monkeypatch):
     assert (axes.get_ylabel(), unstored.history.attrs["units"]["rigid.peak_force"]) == ("fe.v_gy [m/s]", "N")
     assert axes.get_xlabel() == "corner.friction"
     assert np.asarray(axes.lines[0].get_xdata()).tolist() == [0.2, 0.3, 0.47]
+    spaced = {**unstored.summary, "definition": {"vary": ["corner.friction = 0.2,0.3,0.47"]}}
+    (axes,) = replace(unstored, summary=spaced).plot("fe.v_gy").figure.axes
+    assert axes.get_xlabel() == "corner.friction"
 
 
 def test_without_a_folder_a_study_writes_nothing(tmp_path, monkeypatch):
