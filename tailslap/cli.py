@@ -118,7 +118,9 @@ def _run(arguments: list[str] | None) -> int:
     if COMPLETE in os.environ:
         from click.shell_completion import shell_complete
 
-        return shell_complete(commands, {}, "tailslap", COMPLETE, os.environ[COMPLETE])
+        with contextlib.suppress(errors.InputError):  # of an unknown study, which has no completions
+            return shell_complete(commands, {}, "tailslap", COMPLETE, os.environ[COMPLETE])
+        return DONE
     try:
         with warnings.catch_warnings(), commands.make_context("tailslap", typed, obj=tuple(typed)) as context:
             warnings.simplefilter("always", UserWarning)

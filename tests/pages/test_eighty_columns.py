@@ -274,6 +274,7 @@ def test_a_shell_completes_scenes_and_keys(monkeypatch, capfd):
     assert "run" in completed("ru")
     assert completed("run", "paper-t") == ["paper-table-3"]
     assert "plate.thickness=" in completed("run", "paper-table-3", "--set", "plate.th")
+    assert completed("study", "unknown", "paper-t") == []
     keys = [f"trailer.0.{key}=" for key in ("hitch", "hitch_length", "hitch_height")]
     assert completed("run", "paper-table-3", "--set", "trailer.0.hit") == keys
     assert "--tolerance" in completed("run", "paper-table-3", "--to")
