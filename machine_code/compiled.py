@@ -144,9 +144,8 @@ class Kernel:
         with _LOCK:
             bind = self._stored_bind(kinds)
             if bind is None:
-                bind = self._binds[kinds] = object_code.load_code(
-                    self._compiled(kinds, self._captures[kinds])
-                )
+                code = self._compiled(kinds, self._captures[kinds])
+                bind = self._binds[kinds] = object_code.load_code(code)
             return bind
 
     def _compiled(self, kinds: Kinds, captures: Captures) -> object_code.ObjectCode:

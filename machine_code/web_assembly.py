@@ -90,10 +90,8 @@ def module(calls: Calls) -> bytes:
     from machine_code import llvm_code
 
     digest = digest_of(calls)
-    path, mark = (
-        folder.cache_folder() / f"{digest[:20]}.wasm",
-        _section(CUSTOM, _text(DIGEST) + digest.encode()),
-    )
+    path = folder.cache_folder() / f"{digest[:20]}.wasm"
+    mark = _section(CUSTOM, _text(DIGEST) + digest.encode())
     code = folder.read(path, LARGEST)
     if code.startswith(HEADER) and code.endswith(mark):
         return code

@@ -282,11 +282,5 @@ def modal(
     fe_plan = CornerCase(case.scene, case.source).plan()
     motion = modal_run(fe_plan, modes, tolerance, steps)
     summary = plain(modal_numbers(fe_plan, motion))
-    return Result(
-        "modal",
-        summary["scene"],
-        summary,
-        passed=motion.passed,
-        histories={"modal": history(motion.history)},
-        text=modal_text(fe_plan, motion, units),
-    )
+    histories, text = {"modal": history(motion.history)}, modal_text(fe_plan, motion, units)
+    return Result("modal", summary["scene"], summary, motion.passed, histories=histories, text=text)

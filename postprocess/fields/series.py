@@ -135,11 +135,6 @@ def read_fields(source: Path | BinaryIO) -> FieldSeries:
     Raises OSError, KeyError or ValueError for other files.
     """
     with np.load(source, allow_pickle=False) as arrays:
-        return FieldSeries(
-            str(arrays["cell_type"]),
-            arrays["points"],
-            arrays["cells"],
-            arrays["t"],
-            {name: arrays[name] for name in NODES},
-            {name: arrays[name] for name in ELEMENTS},
-        )
+        points, cells, t = (arrays[name] for name in ("points", "cells", "t"))
+        nodal, elemental = ({name: arrays[name] for name in names} for names in (NODES, ELEMENTS))
+        return FieldSeries(str(arrays["cell_type"]), points, cells, t, nodal, elemental)

@@ -193,10 +193,8 @@ def draw_side_force(t: Floats, distances: Floats, force: Floats, strikes: Strike
     column, row = np.nonzero(table > 0.0)
     pressed, shades = table[column, row], Shades(float(table.max()) or 1.0, 0.0)
     along, across = (np.stack([ends[k], ends[k + 1]], -1) for ends, k in ((times, column), (edges, row)))
-    texts, places = (
-        [measure(value, "kN", ".4g") for value in pressed],
-        zip(times[column], distances[row], strict=True),
-    )
+    texts = [measure(value, "kN", ".4g") for value in pressed]
+    places = zip(times[column], distances[row], strict=True)
     at = [f"{time:.4g} s; {measure(place, 'm', '.4g')}" for time, place in places]
     cells = Boxes("force", along, across, shades.colours(pressed), texts, at)
     x = replace(START, high=float(t[-1]))

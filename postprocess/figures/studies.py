@@ -192,21 +192,13 @@ def draw_precision(
         marks.append(_steps(*front, x[1]))
     for number, (method, colour) in enumerate(zip(drawn_series, cycle(COLOURS), strict=False)):
         times, errors, failed = np.array(method.times), np.array(method.errors), ~np.array(method.passed)
-        marks.append(
-            Line(
-                method.label, times, errors, colour, 1.5, line_style(number)["dashes"], 3.0, at=method.points
-            )
-        )
+        dashes = line_style(number)["dashes"]
+        marks.append(Line(method.label, times, errors, colour, 1.5, dashes, 3.0, at=method.points))
         if failed.any():
             marks.append(Line("failed a check", times[failed], errors[failed], "red", 0.0, dots=3.0))
     across = chart.Axis("time to solution, set-up included [s]", *x, is_log=True)
-    plot = chart.Plot(
-        (*marks, *_end_names(drawn_series, x, y)),
-        chart.Axis(error_label, *y, is_log=True),
-        PRECISION_HEIGHT,
-        nearest="xy",
-        is_wide=True,
-    )
+    named, up = (*marks, *_end_names(drawn_series, x, y)), chart.Axis(error_label, *y, is_log=True)
+    plot = chart.Plot(named, up, PRECISION_HEIGHT, nearest="xy", is_wide=True)
     return [chart.Chart(name, title, (plot,), across, "Work and precision", chart.FULL)]
 
 

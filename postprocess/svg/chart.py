@@ -142,10 +142,8 @@ def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Fra
     x_scale = replace(x_scale, start=start, end=width - RIGHT)
     frames = []
     for plot, scale in zip(plots, sized, strict=True):
-        equal_height = (x_scale.end - x_scale.start) * abs(
-            (scale.high - scale.low) / (x_scale.high - x_scale.low)
-        )
-        height = equal_height if plot.height is None else plot.height
+        ratio = abs((scale.high - scale.low) / (x_scale.high - x_scale.low))
+        height = (x_scale.end - x_scale.start) * ratio if plot.height is None else plot.height
         top += HEAD if plot.y.label else BARE
         frames.append(Frame(plot, x_scale, replace(scale, start=top + height, end=top)))
         top += height

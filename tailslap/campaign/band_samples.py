@@ -157,6 +157,7 @@ def _band(ranges: tuple[Range, ...], inputs: Columns, columns: Columns) -> Force
         fractions = {name: float(np.mean(outcome == k)) for k, name in enumerate(OUTCOMES)}
     parts = variance_fractions({key: values[solved] for key, values in inputs.items()}, force[solved])
     items = {item.key: item for item in ranges}
+    named = [key for key, fraction in parts.items() if fraction > LEAST_NAMED][:MOST_NAMED]
     return ForceBand(
         sampling.band_of(force).percentiles,
         int(np.count_nonzero(solved)),
@@ -164,9 +165,7 @@ def _band(ranges: tuple[Range, ...], inputs: Columns, columns: Columns) -> Force
         {item.key: (item.lower, item.upper, item.origin) for item in ranges},
         fractions,
         forces=tuple(force[solved].tolist()),
-        decisive=tuple(in_words(items[key]) for key, fraction in parts.items() if fraction > LEAST_NAMED)[
-            :MOST_NAMED
-        ],
+        decisive=tuple(in_words(items[key]) for key in named),
     )
 
 

@@ -174,24 +174,13 @@ def _not_passed(definition: Definition, rows: SweepRows, reasons: np.ndarray) ->
     """Return the table of failed and refused rows."""
     runs = sorted(np.flatnonzero(rows.status != PASSED), key=lambda run: (rows.status[run] == REFUSED, run))
     units = {item.key: item.unit for item in definition.variations}
-    listed = [
-        {
-            "run": int(run),
-            "inputs": ", ".join(
-                f"{k} = {shown(x, units[k])}" for k, x in definition.inputs_of(int(run)).items()
-            ),
-            "status": rows.status[run],
-            "reason": reasons[run],
-        }
-        for run in runs[:MAX_LISTED]
-    ]
+    listed = []
+    for run in map(int, runs[:MAX_LISTED]):
+        inputs = ", ".join(f"{k} = {shown(x, units[k])}" for k, x in definition.inputs_of(run).items())
+        listed.append({"run": run, "inputs": inputs, "status": rows.status[run], "reason": reasons[run]})
     marks = {place: "failed" for place, item in enumerate(listed) if item["status"] != REFUSED}
-    notes = (
-        (f"First {len(listed)} of {len(runs)}; sweep.parquet contains all.",)
-        if len(runs) > len(listed)
-        else ()
-    )
-    return Table(NOT_PASSED, listed, notes=notes, marks=marks)
+    note = f"First {len(listed)} of {len(runs)}; sweep.parquet contains all."
+    return Table(NOT_PASSED, listed, notes=(note,) if len(runs) > len(listed) else (), marks=marks)
 
 
 def _rows(definition: Definition, table: Path, units: Units) -> SweepRows:

@@ -145,12 +145,8 @@ def _make_missing(
         return engine.CampaignEffort()
 
     def died(run: records.Key) -> Record:
-        return {
-            "run": run,
-            **definition.inputs_of(int(run)),
-            "status": sweep_table.ERROR,
-            "reason": sweep_table.KILLS,
-        }
+        inputs = definition.inputs_of(int(run))
+        return {"run": run, **inputs, "status": sweep_table.ERROR, "reason": sweep_table.KILLS}
 
     def arguments(run: records.Key) -> tuple[object, ...]:
         return run, definition.source, definition.changes_of(int(run))

@@ -175,10 +175,8 @@ def predicted_rows(
 
     for number, case in enumerate(tables["cases"], 1):
         for value in (value for value in case["published"] if value["quantity"] in of):
-            limits, wall = (
-                case.get("ranges", {}) | value.get("ranges", {}),
-                value.get("wall", case.get("wall")),
-            )
+            limits = case.get("ranges", {}) | value.get("ranges", {})
+            wall = value.get("wall", case.get("wall"))
             inputs, answers = samples({"vehicle": case["vehicle"], "ranges": limits}, wall)
             if over := value.get("over"):
                 below = samples({"vehicle": over["vehicle"], "ranges": {}}, over["wall"]).answers
