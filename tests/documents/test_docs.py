@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from unittest import mock
 
 import click
 import pytest
@@ -210,12 +211,8 @@ def test_it_runs(name, tmp_path, monkeypatch, capsys):
     place = shutil.copytree(FOLDER, tmp_path / "examples", ignore=shutil.ignore_patterns("__pycache__"))
     before = {*place.iterdir()}
     monkeypatch.chdir(place)
-    registered = dict(FRICTION_LAWS)
-    try:
+    with mock.patch.dict(FRICTION_LAWS):
         runpy.run_path(name, run_name="__main__")
-    finally:
-        for law in {*FRICTION_LAWS} - {*registered}:
-            FRICTION_LAWS.pop(law)
     assert len(capsys.readouterr().out.splitlines()) > 3
     written = {*place.iterdir()} - before
     assert {path.name for path in written} == WRITTEN.get(name, set())

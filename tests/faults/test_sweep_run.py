@@ -316,11 +316,9 @@ def padded(run, *rest):
 def test_a_folder_whose_name_is_no_text_is_refused(tmp_path, capsys):
     place = tmp_path / "bad\udcff" / "sweep"
     place.parent.mkdir()
+    words = ["sweep", "paper-table-3", "--vary", "corner.friction=0.1,0.2", "--out", "sweep"]
     with contextlib.chdir(place.parent):
-        assert (
-            cli._status(["sweep", "paper-table-3", "--vary", "corner.friction=0.1,0.2", "--out", "sweep"])
-            == 2
-        )
+        assert cli._status(words) == 2
     assert "--out: given" in capsys.readouterr().err
     assert not place.exists()
 

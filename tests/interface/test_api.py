@@ -8,6 +8,7 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -203,7 +204,7 @@ def test_where_the_runs_of_a_sweep_are_made(count, registered, workers, expected
     noted = lambda definition, place, cluster, workers, *a, **k: arguments.append(workers)  # noqa: E731
     monkeypatch.setattr(sweep_run, "sweep_result", noted)
     law_or_name = law(3.0) if registered else "drag"
-    try:
+    with mock.patch.dict(FRICTION_LAWS):
         values = {"corner.friction": list(np.linspace(0.1, 0.4, count))}
         tailslap.sweep("paper-table-3", values, {"corner.reaction": law_or_name}, workers=workers)
         assert arguments == [expected]
@@ -211,8 +212,6 @@ def test_where_the_runs_of_a_sweep_are_made(count, registered, workers, expected
             message = r"corner\.reaction = own is registered in this process only"
             with pytest.raises(InputError, match=message):
                 tailslap.sweep("paper-table-3", values, {"corner.reaction": law_or_name}, workers=2)
-    finally:
-        FRICTION_LAWS.pop("own", None)
 
 
 def test_an_interrupted_sweep_says_that_no_row_is_kept(monkeypatch):
@@ -253,7 +252,7 @@ def law(rounding, name="own"):
 
 def test_a_law_of_ones_own_is_an_object():
     first, second = law(1.0), law(2000.0)
-    try:
+    with mock.patch.dict(FRICTION_LAWS):
         near = tailslap.run("paper-table-3", {"corner.reaction": first})
         assert near.passed
         assert FRICTION_LAWS["own"] is first
@@ -261,8 +260,6 @@ def test_a_law_of_ones_own_is_an_object():
         np.testing.assert_allclose(np.abs(near.history["reaction_tangential"][:-1]), limit[:-1], rtol=1e-12)
         assert named({"corner.reaction": second}) == {"corner.reaction": "own"}
         assert FRICTION_LAWS["own"] is second
-    finally:
-        FRICTION_LAWS.pop("own")
 
 
 def test_objects_that_are_none_are_refused():

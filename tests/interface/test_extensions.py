@@ -7,6 +7,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -160,12 +161,10 @@ def test_cost_and_draw_weight_are_fields_of_an_element():
     scenes = [read_scene("paper-table-3", (*law, f"plate.distortion={part}"))[0] for part in (0.0, 0.1)]
     cost = {"nanoseconds": 1000.0, "distorted": 3.0, "points": 2}
     kind = ElementKind("costly", "ElementQuadS2", 4, "quad", draw_weight=5000, **cost)
-    ELEMENT_KINDS.register(kind)
-    try:
+    with mock.patch.dict(ELEMENT_KINDS):
+        ELEMENT_KINDS.register(kind)
         seconds = [loop_seconds(scene, kind.name, (10, 3), 1000.0) for scene in scenes]
         drawn = [choices_of(1, number, 0)["element"] for number in range(20)]
-    finally:
-        ELEMENT_KINDS.pop(kind.name)
     stress = MATERIALS["neo-hookean"].nanoseconds
     expected = [1e-9 * 1000.0 * 30 * (cell + 2.0 * stress) for cell in (1000.0, 3000.0)]
     assert seconds == pytest.approx(expected, rel=1e-12)
@@ -193,13 +192,10 @@ def test_a_law_from_outside_belongs_to_the_code_of_its_loops_alone(registered):
         return [end_step.path(constants) for constants in (Drag(0.3), law.constants(0.3))]
 
     (drag, smoothed), laws = files(), digest_of_laws()
-    FRICTION_LAWS["smoothed"] = replace(law, force=other_force)
-    try:
+    with mock.patch.dict(FRICTION_LAWS, smoothed=replace(law, force=other_force)):
         assert files()[0] == drag
         assert files()[1] != smoothed
         assert digest_of_laws() != laws
-    finally:
-        FRICTION_LAWS["smoothed"] = law
     assert (files(), digest_of_laws()) == ([drag, smoothed], laws)
 
 
@@ -208,17 +204,9 @@ def force_as_list(law: Any, normal: float, stopping: float) -> Any:
 
 
 def test_a_law_that_cannot_be_compiled_ends_a_command_with_its_line(registered, tmp_path, capsys):
-    law = FRICTION_LAWS["smoothed"]
-    FRICTION_LAWS["smoothed"] = replace(law, force=force_as_list)
-    try:
-        assert (
-            _status(
-                ["run", "paper-table-3", "--set", "corner.reaction=smoothed", "--out", str(tmp_path / "out")]
-            )
-            == 2
-        )
-    finally:
-        FRICTION_LAWS["smoothed"] = law
+    words = ["run", "paper-table-3", "--set", "corner.reaction=smoothed", "--out", str(tmp_path / "out")]
+    with mock.patch.dict(FRICTION_LAWS, smoothed=replace(FRICTION_LAWS["smoothed"], force=force_as_list)):
+        assert _status(words) == 2
     place = f"{__file__}:{force_as_list.__code__.co_firstlineno + 1}"
     assert f"tailslap: {place}: a kernel cannot have [stopping]\n" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

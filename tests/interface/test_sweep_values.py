@@ -61,25 +61,21 @@ def test_sampled_ranges_have_no_count():
     assert split_outside("a:[b:c]:'d:e'", ":") == ["a", "[b:c]", "'d:e'"]
 
 
-def test_even_values_are_exact():
-    """0 to 0.6 in 13 values are twentieths, with exact ends."""
-    (item,) = grid("corner.friction=0:0.6:13").variations
-    exact = [float(Fraction(i, 20)) for i in range(13)]
-    assert item.values == pytest.approx(exact, rel=4e-16)
-    assert ((item.values[0], item.values[-1]), item.settings) == ((0.0, 0.6), item.values)
+NUMBERS = [
+    ("corner.friction=0:0.6:13", "", [float(Fraction(i, 20)) for i in range(13)]),
+    ("plate.youngs_modulus=log:1e8:1e13:6", "Pa", [1e8, 1e9, 1e10, 1e11, 1e12, 1e13]),
+    ("impact.speed=50 mph:60 mph:3", "m/s", [50 * MPH, 55 * MPH, 60 * MPH]),
+    ("impact.angle=10deg,15deg", "rad", [math.radians(10), math.radians(15)]),
+]
 
 
-def test_equal_ratios_are_exact():
-    (item,) = grid("plate.youngs_modulus=log:1e8:1e13:6").variations
-    assert item.values == pytest.approx([1e8, 1e9, 1e10, 1e11, 1e12, 1e13], rel=1e-14)
-    assert (item.values[0], item.values[-1]) == (1e8, 1e13)
-
-
-def test_units_become_si():
-    speed, angle = grid("impact.speed=50 mph:60 mph:3", "impact.angle=10deg,15deg").variations
-    assert speed.values == pytest.approx([50 * MPH, 55 * MPH, 60 * MPH], rel=1e-14)
-    assert angle.values == pytest.approx([math.radians(10), math.radians(15)], rel=1e-14)
-    assert (speed.unit, angle.unit, angle.settings) == ("m/s", "rad", angle.values)
+@pytest.mark.parametrize(("varied", "unit", "exact"), NUMBERS)
+def test_values_are_exact_in_si(varied, unit, exact):
+    """The ends are those given, to the last digit."""
+    (item,) = grid(varied).variations
+    assert item.values == pytest.approx(exact, rel=1e-14 if "log" in varied else 4e-16)
+    assert (item.values[0], item.values[-1]) == (exact[0], exact[-1])
+    assert (item.settings, item.unit) == (item.values, unit)
 
 
 def test_words_lists_and_whole_numbers():

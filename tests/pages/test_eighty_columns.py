@@ -200,10 +200,8 @@ def test_no_command_lacks_them():
 def test_us_units_of_a_run(tmp_path, capsys):
     """Terminal, page and curves are in US units, files in SI."""
     place = tmp_path / "us"
-    assert (
-        cli._status(["run", "mash-tl4-sut", "--no-pictures", "--out", str(place), "--units", "us", "--full"])
-        == 0
-    )
+    words = ["run", "mash-tl4-sut", "--no-pictures", "--out", str(place), "--units", "us", "--full"]
+    assert cli._status(words) == 0
     out = capsys.readouterr().out
     force = json.loads((place / "summary.json").read_text())["stage3"]["peak_force"]
     assert 600e3 < force < 700e3, "SI"

@@ -14,6 +14,7 @@ import time
 import tomllib
 from dataclasses import dataclass, replace
 from pathlib import Path
+from unittest import mock
 
 import generate
 import numpy as np
@@ -262,10 +263,8 @@ LONG_COMMANDS = sorted(filter(LONG.search, COMMANDS))
 @pytest.fixture(autouse=True)
 def laws_of_the_program():
     """Remove laws that a page registers, for later tests."""
-    before = {*FRICTION_LAWS}
-    yield
-    for name in {*FRICTION_LAWS} - before:
-        FRICTION_LAWS.pop(name)
+    with mock.patch.dict(FRICTION_LAWS):
+        yield
 
 
 def do(step, namespace):
