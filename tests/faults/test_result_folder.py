@@ -532,7 +532,8 @@ def test_the_lock_goes_with_its_process_and_what_that_has_left_is_dropped(tmp_pa
                 signal.pause()
         finally:
             os._exit(0)
-    os.read(ready, 1)
+    os.close(filling)
+    assert os.read(ready, 1) == b"."
     refused(place, "another command uses this folder")
     assert (place / NEW / "half.csv").exists()
     os.kill(child, signal.SIGKILL)
