@@ -245,6 +245,7 @@ def test_a_remark_of_a_library_is_its_first_line(monkeypatch, capsys):
 
 
 def test_every_command_names_its_folder_by_the_changes(monkeypatch):
+    """The order of changes has no effect."""
     places = []
 
     def place(*arguments):
@@ -253,10 +254,12 @@ def test_every_command_names_its_folder_by_the_changes(monkeypatch):
 
     for module in (delivery, scene_commands, study_record, exporting):
         monkeypatch.setattr(module, "default_place", place)
-    changed = ["mash-tl4-sut", "--set", "vehicle.mass=9 t"]
+    changes = ["--set", "vehicle.mass=9 t", "--set", "plate.youngs_modulus=100 GPa"]
     studies = [f"study {name}" for name in study_names() if name != "tipping"]
-    for command in ("run", "modes", "confirm", "export --to abaqus", *studies):
-        assert _status([*command.split(), *changed]) == 130
-    assert _status(["sweep", *changed, "--vary", "impact.speed=25 m/s"]) == 130
-    assert all(name.startswith("mash-tl4-sut+vehicle.mass=9t") for name in places)
+    for changed in (["mash-tl4-sut", *changes], ["mash-tl4-sut", *changes[2:], *changes[:2]]):
+        for command in ("run", "modes", "confirm", "export --to abaqus", *studies):
+            assert _status([*command.split(), *changed]) == 130
+        assert _status(["sweep", *changed, "--vary", "impact.speed=25 m/s"]) == 130
+    beginning = "mash-tl4-sut+plate.youngs_modulus=100GPa+vehicle.mass=9t"
+    assert all(name.startswith(beginning) for name in places)
     assert len({*places}) == len(studies) + 5
