@@ -286,3 +286,12 @@ def test_without_published_values_the_band_has_no_link(outcome):
     result = outcome("impact-mash-tl1-car")
     of = result.fe_plan.case
     assert "</a></p>" not in page_text(of.report(result, calibrated_band(of)).page(False))
+
+
+def test_headings_name_what_is_drawn(outcome, tmp_path):
+    """A layer has a heading where there is one."""
+    page = impact.ImpactReport(outcome("impact-mash-tl4-sut")).written(tmp_path, False).page
+    assert "Energy and crush" in [section.title for section in page.sections]
+    assert not [chart for chart in page.charts if "along the side" in chart.caption]
+    (caption,) = (chart.caption for chart in page.charts if chart.name == "positions")
+    assert "later ones more opaque" in caption
