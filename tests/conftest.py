@@ -32,7 +32,8 @@ STEEL = {"thickness": 0.053, "density": 7800.0, "youngs_modulus": 200e9, "poisso
 LAWS = {"drag": Drag(0.47), "none": None, "signed": Signed(0.47)}
 FIRST = (
     *("test_result_folder.py", "test_style.py", "test_site.py", "test_site_build.py"),
-    *("test_other_solvers.py", "test_eighty_columns.py", "test_impact_run.py", "test_train_run.py"),
+    *("test_other_solvers.py", "test_eighty_columns.py", "test_impact_run.py", "test_impact_mesh.py"),
+    "test_train_run.py",
 )
 """Files that are begun first: one that forks its process while it is small, and those that take longest."""
 
