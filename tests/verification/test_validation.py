@@ -56,13 +56,6 @@ def test_identical_histories_have_metrics_of_zero():
     assert metrics["within"]
 
 
-def test_an_error_of_ten_per_cent_in_magnitude_is_one():
-    other = item("theirs", *(1.1 * np.array(column) for column in REFERENCE))
-    metrics = validation.multi_channel(compare_items([result(*REFERENCE), other]))["theirs"]
-    assert metrics["magnitude"] == pytest.approx(0.1, abs=1e-12)
-    assert metrics["phase"] == pytest.approx(0.0, abs=1e-12)
-
-
 def test_opposite_errors_do_not_cancel_each_other():
     channels = [Metrics(0.3, 0.1, 0.4, 0.02, 0.1), Metrics(-0.1, 0.0, 0.1, -0.04, 0.3)]
     metrics = weighted_metrics(channels, [3.0, 1.0])
