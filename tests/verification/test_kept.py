@@ -21,6 +21,14 @@ def row(*changes, scene="paper-table-3"):
     return values
 
 
+def demand_equal(after_another, compute):
+    """Require the row that is computed alone."""
+    cache.clear()
+    alone = compute()
+    for name in alone.keys() - set(CIRCUMSTANCES):
+        assert alone[name] == after_another[name], name
+
+
 ALL = {"_mesh", "_assembled", "_unit_spectrum", "_unit_modes"}
 SHARED = [
     ("plate.youngs_modulus", (1e11, 3e11), ALL | {"_solved_motion"}), ("corner.friction", (0.3, 0.4), ALL),
@@ -37,10 +45,7 @@ def test_rows_share_what_they_have_in_common_and_are_the_same_alone(key, values,
     assert {
         name for name in ALL | shared if cache.CACHES[name].cache_info().misses == computed[name]
     } == shared
-    cache.clear()
-    alone = row((key, values[1]))
-    for name in alone.keys() - set(CIRCUMSTANCES):
-        assert alone[name] == after_another[name], name
+    demand_equal(after_another, lambda: row((key, values[1])))
 
 
 @pytest.mark.parametrize(("key", "values", "is_shared"), [
@@ -56,10 +61,7 @@ def test_plates_of_one_vehicle_share_its_rigid_impact(key, values, is_shared):
     uses = cache.CACHES["_solved"].cache_info().hits
     after_another = impact_row(values[1])
     assert (cache.CACHES["_solved"].cache_info().hits > uses) == is_shared
-    cache.clear()
-    alone = impact_row(values[1])
-    for name in alone.keys() - set(CIRCUMSTANCES):
-        assert alone[name] == after_another[name], name
+    demand_equal(after_another, lambda: impact_row(values[1]))
 
 
 def test_large_parts_and_many_parts_are_let_go():
