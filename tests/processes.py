@@ -1,6 +1,7 @@
 """Processes of the system, and modules that a command imports."""
 
 import contextlib
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +11,21 @@ HEAVY = (
     *("scipy.integrate", "scipy.optimize", "scipy.sparse", "dask", "distributed", "pint", "pyarrow"),
     *("scipy.stats", "scipy.special", "rich", "postprocess.svg.chart"),
 )
+
+
+def started(*words, run=subprocess.Popen, env=None, **settings):
+    """Start the command of this checkout in a process.
+
+    run: of `subprocess`, with its settings; env: variables besides those of this process.
+    """
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)} | (env or {})
+    return run([sys.executable, "-m", "tailslap", *words], env=environment, **settings)
+
+
+def completed(*words, **settings):
+    """Run the command to its end, and return its texts."""
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "timeout": 300.0}
+    return started(*words, run=subprocess.run, **pipes | settings)
 
 
 def imported(*arguments, cwd):

@@ -15,6 +15,7 @@ import failing_calls
 import io_errors
 import psutil
 import pytest
+from processes import completed
 
 from fem import cache
 from machine_code import object_code
@@ -27,21 +28,13 @@ from tailslap.cli import _status
 RUN = ("run", "paper-table-3", "--no-pictures", "--set", "plate.elements=[10,3]", "--out")
 
 
-def command(folder, *arguments, prepare=None, **variables):
-    line = [sys.executable, "-m", "tailslap.cli", *arguments]
-    environment = {**os.environ, "PYTHONPATH": os.getcwd(), **variables}
-    return subprocess.run(
-        line, cwd=folder, env=environment, preexec_fn=prepare, capture_output=True, text=True, timeout=300
-    )
-
-
 @pytest.mark.long
 def test_a_full_disk_leaves_nothing_and_an_earlier_result_whole(tmp_path):
-    assert command(tmp_path, *RUN, "out").returncode == 0
+    assert completed(*RUN, "out", cwd=tmp_path).returncode == 0
     before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
     full = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))  # noqa: E731
     for place in ("out", "new"):
-        process = command(tmp_path, *RUN, place, prepare=full)
+        process = completed(*RUN, place, cwd=tmp_path, preexec_fn=full)
         assert process.returncode == 3, process.stderr
         assert process.stderr.count("\n") == 1
         assert "bootstrap" not in process.stderr
@@ -54,7 +47,7 @@ def test_without_home_and_with_a_cache_that_cannot_be_written(tmp_path, besides_
     """The loop is then compiled, and kept nowhere."""
     (tmp_path / "file").write_text("")
     nowhere = {"HOME": "/nonexistent", "TAILSLAP_CACHE_DIR": str(tmp_path / "file" / "code")}
-    process = command(tmp_path, *RUN, "a", **nowhere)
+    process = completed(*RUN, "a", cwd=tmp_path, env=nowhere)
     assert (process.returncode, besides_compiling(process.stderr)) == (0, "")
     assert f"not kept for the next run: {tmp_path}/file/code/" in process.stderr
 
@@ -82,7 +75,7 @@ def test_a_full_cache_disk_ends_no_run(tmp_path, monkeypatch):
 def test_a_folder_that_is_gone_ends_no_command(tmp_path, besides_compiling):
     gone = tmp_path / "gone"
     gone.mkdir()
-    process = command(gone, "scenes", prepare=lambda: os.rmdir(gone))
+    process = completed("scenes", cwd=gone, preexec_fn=lambda: os.rmdir(gone))
     assert (process.returncode, besides_compiling(process.stderr)) == (0, "")
 
 
@@ -130,9 +123,8 @@ def test_messages_that_nobody_takes_change_no_status(tmp_path):
             (("rigid", "bogus"), 2),
             (("rigid", "mash-tl4-sut", "--set", "impact.speed=45"), 0),  # which is remarked upon
         ):
-            line = [sys.executable, "-m", "tailslap.cli", *arguments]
-            process = subprocess.run(line, stderr=full, stdout=subprocess.PIPE, timeout=60)
-            assert (process.returncode, b"peak force" in process.stdout) == (status, status == 0)
+            process = completed(*arguments, stderr=full)
+            assert (process.returncode, "peak force" in process.stdout) == (status, status == 0)
 
 
 def test_a_new_scene_where_none_can_be_written(tmp_path, monkeypatch, capsys, proc):

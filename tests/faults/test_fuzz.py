@@ -12,8 +12,6 @@ import math
 import os
 import resource
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -21,6 +19,7 @@ import click
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from processes import completed
 
 from tailslap.cli import _status, commands
 from tailslap.errors import InputError, escaped
@@ -347,32 +346,27 @@ def test_what_a_terminal_would_obey_is_escaped():
     assert escaped("a\x1b[2J\u202e\x00b\u00fc\n") == "a\\x1b[2J\\u202e\\x00b\u00fc\n"
 
 
-def command(*arguments, **more):
-    line = [sys.executable, "-m", "tailslap.cli", *arguments]
-    return subprocess.run(line, timeout=60, **more)
-
-
 def test_streams_that_nobody_reads(tmp_path):
     read, write = os.pipe()
     os.close(read)
     for arguments in (("--help",), ("scenes",)):
-        process = command(*arguments, stdout=write, stderr=subprocess.PIPE)
-        assert (process.returncode, process.stderr) == (0, b"")
+        process = completed(*arguments, stdout=write)
+        assert (process.returncode, process.stderr) == (0, "")
     os.close(write)
-    process = command("scenes", stderr=subprocess.PIPE, preexec_fn=lambda: os.close(1))
-    assert (process.returncode, process.stderr) == (0, b"")
+    process = completed("scenes", preexec_fn=lambda: os.close(1))
+    assert (process.returncode, process.stderr) == (0, "")
     with open("/dev/full", "w") as full:
-        process = command("scenes", stdout=full, stderr=subprocess.PIPE)
-    assert (process.returncode, process.stderr) == (3, b"tailslap: No space left on device\n")
+        process = completed("scenes", stdout=full)
+    assert (process.returncode, process.stderr) == (3, "tailslap: No space left on device\n")
 
 
 def test_too_little_memory_is_told_with_the_estimate():
     """Within a limit of the process's own, as in a small container."""
     limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (2_000_000_000, 2_000_000_000))  # noqa: E731
     arguments = ("check", "paper-table-3", "--set", "plate.elements=[600, 600]")
-    process = command(*arguments, capture_output=True, preexec_fn=limit)
+    process = completed(*arguments, preexec_fn=limit)
     assert process.returncode == 2
-    assert b"GB of memory" in process.stderr
+    assert "GB of memory" in process.stderr
 
 
 def test_a_large_mesh_is_estimated_and_not_made(capsys):

@@ -19,6 +19,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
+import processes
 import pytest
 from processes import alive, children
 
@@ -182,10 +183,9 @@ def test_what_a_combination_makes_impossible_is_a_refused_row(scene, cluster, tm
 def started(place, scene, *more):
     """`tailslap sweep` in a process, returned with its first rows."""
     varied = [part for text in VARIED for part in ("--vary", text)]
-    command = [sys.executable, "-m", "tailslap.cli", "sweep", scene, *varied, "--out", str(place), *more]
-    process = subprocess.Popen(
-        command, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
-    )
+    words = ["sweep", scene, *varied, "--out", str(place), *more]
+    streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+    process = processes.started(*words, start_new_session=True, **streams)
     wait_until(lambda: process.poll() is not None or ((place / RECORDS).exists() and count(place / RECORDS)))
     return process
 
@@ -298,12 +298,9 @@ def sessions():
 
 def test_too_little_address_space_is_told_before_libraries_hang(scene, tmp_path, proc):
     limit = 350 * 2**20
-    process = subprocess.run(
-        [sys.executable, "-m", "tailslap", "sweep", scene, "--vary", "corner.friction=0.1:0.5:40"],
-        cwd=tmp_path, capture_output=True, text=True, timeout=HANG,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-        preexec_fn=partial(resource.setrlimit, resource.RLIMIT_AS, (limit, limit)),
-    )  # fmt: skip
+    words = ["sweep", scene, "--vary", "corner.friction=0.1:0.5:40"]
+    limited = partial(resource.setrlimit, resource.RLIMIT_AS, (limit, limit))
+    process = processes.completed(*words, cwd=tmp_path, preexec_fn=limited)
     assert process.returncode == 3
     assert "limited to 367 MB (ulimit -v); required are 512 MB; no run is complete" in process.stderr
     assert not list(tmp_path.glob("results/*"))

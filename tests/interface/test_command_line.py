@@ -9,14 +9,13 @@ import select
 import signal
 import struct
 import subprocess
-import sys
 import termios
 import time
 import warnings
 
 import pytest
 from click.testing import CliRunner
-from processes import imported
+from processes import completed, imported, started
 
 from postprocess.report.provenance import CRATE
 from tailslap import delivery, scene_commands
@@ -36,11 +35,6 @@ FLUTTER = ("--set", "impact.friction=0.8", "--set", "corner.penalty_scale=3", "-
 PICTURES = {
     f"contour_{name}{form}.png" for name in ("v_gx", "v_gy", "omega", "von_mises") for form in ("", "-dark")
 }
-
-
-def run(*arguments, cwd=None):
-    command = [sys.executable, "-m", "tailslap", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=120)
 
 
 def test_rigid_and_scenes_import_nothing_heavy(tmp_path):
@@ -91,7 +85,7 @@ def test_check_says_what_a_run_would_use_and_writes_nothing(tmp_path, monkeypatc
 
 
 def test_a_run_leaves_a_complete_folder(tmp_path, besides_compiling):
-    process = run("run", "paper-table-3", cwd=tmp_path)
+    process = completed("run", "paper-table-3", cwd=tmp_path)
     assert (process.returncode, besides_compiling(process.stderr)) == (0, "")
     assert "FE/rigid" in process.stdout
     folder = tmp_path / "results" / "paper-table-3"
@@ -172,12 +166,6 @@ def test_a_run_without_a_plate_is_refused_and_rigid_does_without(tmp_path, monke
         assert _status([command, *bare]) == 0
 
 
-def long_run(tmp_path, stderr):
-    changes = ("--set", "plate.youngs_modulus=1e17", "--set", "corner.reaction=none")
-    command = [sys.executable, "-m", "tailslap.cli", "run", "paper-table-3", *changes, "--no-pictures"]
-    return subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=stderr)
-
-
 def test_an_interrupted_run_shows_progress_and_leaves_nothing(tmp_path):
     """A bar is displayed after a second, and Ctrl-C ends with 130."""
     try:
@@ -185,7 +173,9 @@ def test_an_interrupted_run_shows_progress_and_leaves_nothing(tmp_path):
     except OSError:
         pytest.skip("no pseudo-terminals, as in a chroot without /dev/pts")
     fcntl.ioctl(follower, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
-    process = long_run(tmp_path, follower)
+    words = ["--set", "plate.youngs_modulus=1e17", "--set", "corner.reaction=none", "--no-pictures"]
+    streams = {"stdout": subprocess.DEVNULL, "stderr": follower}
+    process = started("run", "paper-table-3", *words, cwd=tmp_path, **streams)
     try:
         output, end = b"", time.monotonic() + 240.0
         while b"%" not in output and time.monotonic() < end:

@@ -7,7 +7,6 @@ import shlex
 import shutil
 import signal
 import subprocess
-import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +14,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
+from processes import started
 
 from postprocess.comparison.nodal import centre_of_mass_history, read_calculix, read_nodes
 from tailslap import cli
@@ -381,8 +381,7 @@ def test_interrupt_ends_the_solver_with_its_children(number, elsewhere, solver):
         f"trap '' INT TERM; sleep 60 & echo $$ > {elsewhere}/new; mv {elsewhere}/new {elsewhere}/pid; wait"
     )
     solver(script)
-    command = [sys.executable, "-m", "tailslap", "confirm", "paper-table-3", *COARSE]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as program:
+    with started("confirm", "paper-table-3", *COARSE, stderr=subprocess.PIPE, text=True) as program:
         while not (elsewhere / "pid").exists():
             assert program.poll() is None
             time.sleep(0.05)
