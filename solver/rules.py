@@ -84,17 +84,19 @@ AXLE_LOAD = Rule(
 AXLE_UNIT = Rule("axle", "there is no such unit", "from 0 to {most}")
 TYRE = Rule("axle", "the side force of the tyres resists sliding", "0 or more, and finite")
 PLATEAU = Rule(
-    "plateau_force", "the crush force rises from the initial force to it", "at least {initial:.6g} N, above 0"
+    "plateau_force",
+    "the crush force rises from the initial force to it",
+    "at least that, {initial:.6g}, above 0",
 )
 UNLOADING = Rule(
     "unloading_stiffness",
     "unloading on a line less steep than loading would return more energy than it takes",
-    "at least the stiffness, {stiffness:.6g} N/m, and finite",
+    "at least the stiffness, {stiffness:.6g}, and finite",
 )
 HARDENING = Rule(
     "hardening",
     "beyond the onset of the plateau the crush force rises no more steeply than before it",
-    "with a plateau 0 to the stiffness, {stiffness:.6g} N/m",
+    "with a plateau 0 to the stiffness, {stiffness:.6g}",
 )
 ONE_UNLOADING = Rule("unloading_stiffness", "the restitution defines the unloading as well", "one of the two")
 RETURNED = Rule("restitution", "unloading returns e^2 of the crush energy", "from 0 to 1")
@@ -120,6 +122,7 @@ UNIFORM = Rule(
     "the yaw inertia of the uniform rectangle, {inertia:.6g} kg m^2, is impossible for it",
     "closer to the middle, or a yaw_inertia of at most {most:.6g} kg m^2",
 )
+FORWARDS = Rule("speed", "the vehicle travels ahead", "0 m/s or more, and finite")
 TOUCH_ANGLE = Rule("angle", "the front corner must touch the wall first", "between 0 and pi/2 rad")
 STATE = Rule("state", "it is the initial state", "six finite numbers")
 INSIDE = Rule(

@@ -22,6 +22,9 @@ from solver.impact.train import Train
 CORNERING = 6.0
 """Assumed value of C for a dual-tyred truck axle."""
 
+OFF_CENTRE = 1e-3
+"""Largest distance of a lone axle from the place at which it carries its unit in balance [m]."""
+
 AXLE = ("position", "friction", "cornering")
 """Quantities of an axle, besides its unit."""
 
@@ -146,6 +149,8 @@ def set_axle_loads(mass, hitch, kingpin, unit, along, load, i):
             force = count * (moment - force * pin) / (first - count * pin)
         elif spread > 1e-9 * max(second, 1e-300):
             slope = (count * moment - first * force) / spread
+        elif u == 0 and abs(first * force - count * moment) > OFF_CENTRE * count * abs(force):
+            force = -np.inf  # of axles ever closer to each other
         for a in range(unit.size):
             if unit[a] == u:
                 load[a, i] = (force - slope * first) / count + slope * along[a, i]

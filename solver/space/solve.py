@@ -148,7 +148,12 @@ def searched_walls(fleet: Fleet, scan: float, refine: float, finer: float, on_co
 
 
 def clock_of(interval: float, parts: NDArray[np.int64], end: float | None, push: Array) -> Clock:
-    """Return the steps of a run."""
+    """Return the steps of a run.
+
+    Raises RigidBodyError unless the end is positive and finite, or None.
+    """
+    if end is not None:
+        Gate().positive(rules.END, end)
     window = max(1, round(accuracy.WINDOW / interval))
     return Clock(
         interval, parts, window, end or LONGEST, end is not None, np.ascontiguousarray(push, dtype=float)

@@ -12,6 +12,7 @@ import numpy as np
 
 from solver import rules
 from solver.conditions import Array, Gate, Number, RigidBodyError, demand, number, refusal
+from solver.impact.crush_law import LAW, demand_law
 from solver.impact.tyres import CORNERING
 from solver.space import columns, state
 from solver.space.state import Fleet
@@ -26,6 +27,9 @@ ROLL_STIFFNESS = 3.55e6
 
 OF_BODY = ("centre_height", "roll_inertia", "pitch_inertia")
 """Quantities of a unit that stand in [body] of a scene."""
+
+OF_STRIP = {"plateau_force": "plateau", "unloading_stiffness": "unloading"}
+"""Names of `SpaceStrip` for parameters of a crush law that have another one."""
 
 DAMPING_RATIO, ROLL_CENTRE = 0.15, 0.6
 """Assumed damping of a spring to critical for the mass on it [-], and height of the roll centre [m]."""
@@ -159,10 +163,15 @@ def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Numbe
     profile = profile_points(wall.profile)
     Gate().positive(rules.WALL_HEIGHT, number("height", wall.height))
     Gate().not_negative(rules.FRICTION, number("friction", wall.friction))
+    Gate().not_negative(rules.FORWARDS, number("speed", speed))
+    theta = number("angle", angle)
+    Gate().demand(rules.TOUCH_ANGLE, (theta > 0.0) & (theta < 0.5 * np.pi), theta)
     _demand_counts(vehicle)
     for table, records in (("", vehicle.units), ("axle.", vehicle.axles), ("strip.", vehicle.strips)):
         for index, record in enumerate(records):
             _demand_values(table, index, record)
+    for index, strip in enumerate(vehicle.strips):
+        _demand_law(index, strip)
     of_sample = (wall.height, wall.friction, speed, angle)
     n = _sample_count(vehicle, (*of_sample, *(vehicle.sensor or ())))
     further = np.array([np.broadcast_to(value, n) for value in of_sample], dtype=np.float64)
@@ -262,6 +271,19 @@ def _demand_values(table: str, index: int, record: object) -> None:
             finite = True if name == "plateau" else np.isfinite(checked)
             positive = checked > 0.0 if name in rules.SPACE_POSITIVE else checked >= 0.0
             demand(rule, key, positive & finite, checked)
+
+
+def _demand_law(index: int, strip: SpaceStrip) -> None:
+    """Require a possible crush law of a strip.
+
+    Raises RigidBodyError.
+    """
+    values = dict(zip(LAW, (getattr(strip, OF_STRIP.get(name, name)) for name in LAW), strict=True))
+    try:
+        demand_law(*(number(name, value) for name, value in values.items()))
+    except RigidBodyError as error:
+        key = f"strip.{index}.{OF_STRIP.get(error.key, error.key)}"
+        raise RigidBodyError(key, error.value, error.why, error.allowed) from None
 
 
 def _unit_key(index: int, name: str) -> str:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from fem.laws.unilateral import penalty_stiffness
@@ -119,15 +120,15 @@ def _crush_law(scene: Scene, part: Touching, values: Mapping[str, Any]) -> impac
 
     Raises InputError with the key that is not possible.
     """
-    law = {name: _value(scene, values, part, name) for name in LAW}
+    law = {name: value for name in LAW if (value := _value(scene, values, part, name)) is not None}
+    upright = 1.0
     if part.number is not None:
         strip = scene.strip[part.number]
         if strip.height is not None and strip.at[0] == strip.at[1]:
             upright = strip.height[1] - strip.height[0]
-            law |= {name: law[name] * upright for name in SCALED if law[name] is not None}
-    stated = {name: value for name, value in law.items() if value is not None}
     try:
-        return impact.CrushLaw(**stated)
+        stated = impact.CrushLaw(**law)
+        return replace(stated, **{name: law[name] * upright for name in SCALED if name in law})
     except RigidBodyError as error:
         key = part.keys.get(error.key, error.key)
         base = key.partition("@")[0]
