@@ -23,6 +23,7 @@ ARGUMENTS = (
 
 OF_CORNERS = tuple(f"contact.{key}" for key in LAW)
 KEYS = {key.split(".")[1]: key for key in (*ARGUMENTS, *OF_CORNERS, "vehicle.yaw_inertia", "time.end")}
+KEYS["axle"] = "axle"
 """Keys of the scene by names of the theory's inputs."""
 
 KEY_OF_STRIP = {key: "plateau" if key == "plateau_force" else key for key in LAW}
