@@ -255,12 +255,14 @@ def study(
     >>> result.summary["study"], result.passed
     ('uncertainty', None)
     """
+    from tailslap.campaign import records
+
     chosen = find_study(name)
     settings = checked_options(chosen, options)
     with folder_or_temporary(folder) as place:
         case = case_of_scene(scene, changes)
         _, origin = prepared(chosen, case, place, allow_large, settings)
-        with result_folder(place, force=force, origin=origin) as unfinished:
+        with records.kept(place), result_folder(place, force=force, origin=origin) as unfinished:
             study_outcome = study_result(chosen, case, place, settings)
             if folder is not None and study_outcome.fill:
                 study_outcome.fill(unfinished, True, "si")

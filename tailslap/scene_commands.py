@@ -115,12 +115,14 @@ def study_command(chosen: Study) -> click.Command:
 
     def run(name: str, changes: tuple[str, ...], units: str, as_json: bool, **settings: Any) -> int:
         from tailslap import api
+        from tailslap.campaign import records
 
         folder, allow_large, force = (settings.pop(key) for key in ("out", "allow_large", "force"))
         case = case_of(*delivery.scene_with_remarks(name, changes))
         place, origin = prepared(chosen, case, folder, allow_large, settings)
         compute = functools.partial(api.study_result, chosen, case, place, settings)
-        return delivery.deliver(compute, place, origin, as_json, units, force=force)
+        with records.kept(place):
+            return delivery.deliver(compute, place, origin, as_json, units, force=force)
 
     return click.Command(chosen.name, params=[*shared, *chosen.options], callback=run, help=chosen.summary)
 

@@ -16,7 +16,7 @@ import re
 import sqlite3
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from contextlib import closing, suppress
+from contextlib import closing, contextmanager, suppress
 from operator import itemgetter
 from pathlib import Path
 from types import TracebackType
@@ -222,7 +222,8 @@ class Records(Mapping[Key, Any]):
 class Journal:
     """Records of an unfinished study beside its result folder.
 
-    The file `.NAME.journal` is removed when the study is complete. `records` exists within a `with` block.
+    The file `.NAME.journal` is removed by `kept` when the files of the study are written. `records` exists within a
+    `with` block.
 
     Parameters
     ----------
@@ -235,8 +236,7 @@ class Journal:
     records: Records
 
     def __init__(self, place: Path, definition: Mapping[str, object]) -> None:
-        place = folder.resolved(place)
-        self.path, self._definition = place.parent / f".{place.name}.journal", definition
+        self.path, self._definition = _journal_path(place), definition
 
     def __enter__(self) -> Journal:
         """Open or create the journal. Raises InputError."""
@@ -250,14 +250,43 @@ class Journal:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Close the journal, and remove a complete or empty one."""
+        """Close the journal, and remove an empty one."""
         saved = len(self.records)
         self.records.close()
-        if kind is None or not saved:
+        if not saved:
             remove(self.path)
         elif isinstance(error, KeyboardInterrupt):
-            text = f"interrupted; {saved} parts are saved, and the same command resumes from there"
-            raise Interrupted(text) from None
+            raise _interrupted(saved) from None
+
+
+@contextmanager
+def kept(place: Path) -> Iterator[None]:
+    """Keep the journal of a study until its files are written.
+
+    place: result folder. Raises Interrupted for an interrupt with saved parts.
+    """
+    path = _journal_path(place)
+    try:
+        yield
+    except Interrupted:
+        raise
+    except KeyboardInterrupt:
+        if is_there(path) and (saved := count(path)):
+            raise _interrupted(saved) from None
+        raise
+    if is_there(path) and count(path):
+        remove(path)
+
+
+def _journal_path(place: Path) -> Path:
+    """Return the path of the journal of a result folder."""
+    place = folder.resolved(place)
+    return place.parent / f".{place.name}.journal"
+
+
+def _interrupted(saved: int) -> Interrupted:
+    """Return the interrupt of a study with saved parts."""
+    return Interrupted(f"interrupted; {saved} parts are saved, and the same command resumes from there")
 
 
 def count(path: Path) -> int:

@@ -13,7 +13,7 @@ from processes import alive, children
 
 from tailslap import progress
 from tailslap.campaign.engine import run_parts
-from tailslap.campaign.records import Journal, count
+from tailslap.campaign.records import Journal, count, kept
 from tailslap.errors import InputError, Interrupted, Verbatim
 
 
@@ -28,11 +28,22 @@ def interrupt(journal, records):
         raise KeyboardInterrupt
 
 
-def test_journal_is_taken_up_after_an_interrupt_and_removed_at_the_end(journal, tmp_path):
-    records = {"x": {"value": 1.5}, "y": {"value": float("inf")}}
-    with pytest.raises(Interrupted, match="2 parts are saved"):
+def test_journal_is_taken_up_until_the_files_are_written(journal, tmp_path):
+    """An error of the report, and an interrupt during it, lose nothing."""
+    records, place = {"x": {"value": 1.5}, "y": {"value": float("inf")}}, tmp_path / "out"
+    with pytest.raises(Interrupted, match="2 parts are saved"), kept(place):
         interrupt(journal(a=1), records)
-    with journal(a=1) as again:
+
+    def reported(error):
+        with journal(a=1) as again:
+            assert again.records == records
+        raise error
+
+    with pytest.raises(OSError, match="disk full"), kept(place):
+        reported(OSError("disk full"))
+    with pytest.raises(Interrupted, match="2 parts are saved"), kept(place):
+        reported(KeyboardInterrupt())
+    with kept(place), journal(a=1) as again:
         assert again.records == records
     assert list(tmp_path.iterdir()) == []
 

@@ -9,6 +9,7 @@ from shared_cases import LINEAR_TRUCK
 from postprocess.comparison.grid_convergence import Limit, grid_convergence, limit_of
 from postprocess.comparison.quantities import largest_relative
 from postprocess.report.command_report import write_report
+from tailslap.campaign.records import kept
 from tailslap.case import case_of
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact.case import ImpactCase
@@ -186,7 +187,8 @@ def test_interrupted_study_measures_only_what_is_missing(tmp_path, monkeypatch):
     monkeypatch.setattr(cost_study, "measure", noted)
     with pytest.raises(KeyboardInterrupt):
         cost_study.compute(STUDIED, tmp_path / "out")
-    study = cost_study.compute(STUDIED, tmp_path / "out")
+    with kept(tmp_path / "out"):
+        study = cost_study.compute(STUDIED, tmp_path / "out")
     assert len(measured) - 1 == len(set(measured)) - 1 == len(study.rows)
     assert list(tmp_path.iterdir()) == []
 

@@ -16,6 +16,7 @@ from test_levels import SWEEP
 from postprocess.comparison.quantities import KEYS, largest_relative, relative_difference
 from postprocess.report.command_report import report_text, write_report
 from tailslap import cli, delivery
+from tailslap.campaign.records import kept
 from tailslap.case.corner import corner_run
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.plate_input import plate_density, three_meshes
@@ -400,7 +401,8 @@ def test_interrupted_study_goes_on(plan, tmp_path, monkeypatch):
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", one_at_a_time)
     with pytest.raises(KeyboardInterrupt, match="3 parts are saved"):
         corner_flexibility.corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
-    study = corner_flexibility.corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
+    with kept(tmp_path / "out"):
+        study = corner_flexibility.corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
     assert len(events) - 1 == len(set(events)) - 1 == len(study.rows) == 9
     assert list(tmp_path.iterdir()) == []
     assert {row["start"] for row in study.scan} == {*corner_flexibility.STARTS}

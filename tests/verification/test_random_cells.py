@@ -5,15 +5,18 @@ import json
 import math
 import re
 from dataclasses import replace
+from functools import partial
 from itertools import combinations
 
 import pytest
 from shared_cases import LINEAR_TRAIN, LINEAR_TRUCK
 from test_stability_study import breaks
 
+import tailslap
 from postprocess.report.command_report import report_text, write_report
 from postprocess.report.provenance import CRATE
 from tailslap.campaign import random_scenes
+from tailslap.campaign.records import kept
 from tailslap.case import case_of
 from tailslap.case.check import Check
 from tailslap.case.corner.corner_case import CornerCase
@@ -32,8 +35,10 @@ from tailslap.studies.stability.stability_report import headline, report
 
 def computed(folder, count=None, name="mash-tl4-sut", points=10, tolerance=1e-3):
     """Compute a map, or this number of random cells."""
-    case = case_of(*read_scene(name))
-    return stability_study.compute(case, folder / "out", points, tolerance, count, seed=1, workers=1)
+    case, place = case_of(*read_scene(name)), folder / "out"
+    points, tolerance = (None, None) if count else (points, tolerance)
+    with kept(place):
+        return stability_study.compute(case, place, points, tolerance, count, seed=1, workers=1)
 
 
 @pytest.mark.parametrize("name", [LINEAR_TRUCK, LINEAR_TRAIN])
@@ -365,10 +370,18 @@ def test_a_cells_file_can_be_run(tmp_path):
     assert CornerCase(*read_scene(str(tmp_path / "cell-0000.toml"))).run().fe
 
 
+@pytest.mark.parametrize(
+    ("option", "key"), [({"points": 4}, "--points"), ({"tolerance": 1e-3}, "--tolerance")]
+)
+def test_options_without_effect_on_random_cells_are_refused(option, key, refused):
+    assert refused(partial(tailslap.study, "stability", "mash-tl4-sut", random=1, **option)) == key
+
+
 def test_a_survey_is_made_of_its_draws_and_its_journal_goes(tmp_path, monkeypatch):
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
     case, place = CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out"
-    result = stability_study.compute(case, place, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
+    with kept(place):
+        result = stability_study.compute(case, place, None, None, count=4, seed=1, workers=1)
     assert [changed_tables(result.base.tables, cell)[0] for cell in result.cells.values()] == DRAWN[:4]
     assert (len(result.of_kind("right")), list(tmp_path.iterdir())) == (4, [])
 

@@ -19,6 +19,7 @@ from tailslap.case import case_of
 from tailslap.case.case import Case
 from tailslap.case.impact.plan import chosen_plate
 from tailslap.case.resources import expected_effort
+from tailslap.errors import InputError
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source, changed_tables, vary
 from tailslap.studies.stability import cell_verdicts
@@ -80,9 +81,14 @@ def compute(
 ) -> StabilityResult:
     """Compute the map, or random cells.
 
-    An interrupted campaign resumes from its journal.
+    An interrupted campaign resumes from its journal. Raises InputError for an option without effect.
     """
     began, scene = time.perf_counter(), case.scene
+    if count and points:
+        raise InputError("--points", points, "random scenes have no map; remove --points or --random")
+    if count and tolerance and not scene.contact:
+        allowed = "random scenes are compared with refined models within their stated errors; remove it"
+        raise InputError("--tolerance", tolerance, allowed)
     base, defaults = base_source(scene), (6, 1e-2) if scene.contact else (10, 1e-3)
     limit: Record = {"tolerance": tolerance or defaults[1]}
     kinds, verify = cell_verdicts.MAP_KINDS, partial[Record](cell_verdicts.against_rigid, **limit)
