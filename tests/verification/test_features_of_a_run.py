@@ -102,7 +102,7 @@ def planned(*changes):
 
 @pytest.mark.parametrize("threads", [2, pytest.param(3, marks=pytest.mark.long)])
 def test_threads_give_the_same_answer_and_repeat_to_the_bit(plate_model, threads):
-    model = plate_model(reaction="drag", elements=(40, 12), elastic_rate=1.0)
+    model = plate_model(reaction="drag", elements=(30, 8), elastic_rate=1.0)
     alone = simulate(model, START, 0.384)
     first, second = (simulate(model, START, 0.384, threads=threads) for _ in range(2))
     for name, column in first.history.items():

@@ -16,6 +16,7 @@ from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 from tailslap.studies.tipping import tipping_report, tipping_study
+from tailslap.validation import outcomes
 from tailslap.validation.tables import parameters
 
 SCENE, INCH = "impact-tipping-tl4-sut", 0.0254
@@ -39,6 +40,7 @@ def computed(scene_case, place, samples=128, ranges=(), **small):
     with pytest.MonkeyPatch.context() as patch:
         for name, value in (SMALL | small).items():
             patch.setattr(tipping_study, name, value)
+        patch.setattr(outcomes, "SAMPLES", 8)
         patch.setattr(space, "PROFILES", {name: space.PROFILES[name] for name in ("vertical", "f-shape")})
         return tipping_study.compute(scene_case, place, samples, ranges, fixed(scene_case), 1)
 
@@ -72,7 +74,7 @@ def by_height(source, inputs):
 @pytest.fixture
 def exact(monkeypatch, tmp_path):
     monkeypatch.setattr(space_samples, "solve_samples", by_height)
-    return computed(case(), tmp_path / "out", 1280, WALLS=tuple(np.linspace(0.55, 0.95, 41)), POINTS=9)
+    return computed(case(), tmp_path / "out", 640, WALLS=tuple(np.linspace(0.55, 0.95, 21)), POINTS=9)
 
 
 def test_walls_of_a_known_law_by_hand(exact):

@@ -286,7 +286,7 @@ def test_steps_in_parts_agree_with_short_steps_of_one_length(restitution, allowe
     law = WallContact(CrushLaw(2e6, 0.0, restitution), MU)
     train, start = both_units(law), straight()
     run = solve_trains(train, start, strikes=8, end=0.4, tolerance=4e-3)
-    fine = solve_trains(train, start, strikes=8, end=0.4, step=1e-6)
+    fine = solve_trains(train, start, strikes=8, end=0.4, step=4e-6)
     firsts = (run.strikes[0], fine.strikes[0])
     rows, exact = (strikes[strikes[:, 4] > 0.05 * np.nanmax(strikes[:, 4])] for strikes in firsts)
     assert rows[:, 0].tolist() == exact[:, 0].tolist() == [0.0, 4.0, 1.0, 0.0][: len(exact)]
