@@ -41,12 +41,13 @@ def without_times(value):
 
 @pytest.fixture(scope="module")
 def result():
-    return tailslap.run("mash-tl4-sut", {"plate.youngs_modulus": "2 TPa"})
+    return tailslap.run("mash-tl4-sut", {"plate.youngs_modulus": "2 TPa"}, picture_size=(400, 300))
 
 
 def test_a_run_has_the_bits_of_the_command(result, tmp_path, capsys):
     stiff = ("--set", "plate.youngs_modulus=2 TPa")
-    command(capsys, "run", "mash-tl4-sut", *stiff, "--out", str(tmp_path / "a"))
+    small = ("--picture-size", "400x300")
+    command(capsys, "run", "mash-tl4-sut", *stiff, *small, "--out", str(tmp_path / "a"))
     expected = json.loads((tmp_path / "a" / "summary.json").read_text())
     assert without_times(result.summary) == without_times(expected)
     saved = result.save(tmp_path / "b")

@@ -15,7 +15,7 @@ import warnings
 
 import pytest
 from click.testing import CliRunner
-from processes import completed, imported, started
+from processes import imported, started
 
 from postprocess.report.provenance import CRATE
 from tailslap import delivery, scene_commands
@@ -84,10 +84,12 @@ def test_check_says_what_a_run_would_use_and_writes_nothing(tmp_path, monkeypatc
     assert not list(tmp_path.iterdir())
 
 
-def test_a_run_leaves_a_complete_folder(tmp_path, besides_compiling):
-    process = completed("run", "paper-table-3", cwd=tmp_path)
-    assert (process.returncode, besides_compiling(process.stderr)) == (0, "")
-    assert "FE/rigid" in process.stdout
+def test_a_run_leaves_a_complete_folder(tmp_path, monkeypatch, capfd, besides_compiling):
+    monkeypatch.chdir(tmp_path)
+    assert _status(["run", "paper-table-3"]) == 0
+    out, err = capfd.readouterr()
+    assert besides_compiling(err) == ""
+    assert "FE/rigid" in out
     folder = tmp_path / "results" / "paper-table-3"
     assert {path.name for path in folder.iterdir()} == FILES | PICTURES
     assert {path.name for path in folder.parent.iterdir()} == {"paper-table-3"}
