@@ -82,8 +82,11 @@ def wait_until(condition):
 
 
 @contextlib.contextmanager
-def loopback(folder, workers):
-    """`dask scheduler` and `dask worker` on a free port of 127.0.0.1."""
+def loopback(folder, workers, *options):
+    """`dask scheduler` and `dask worker` on a free port of 127.0.0.1.
+
+    options: of `dask worker`.
+    """
     file, dask = folder / "scheduler.json", [sys.executable, "-m", "dask"]
     host = ["--host", "127.0.0.1", "--no-dashboard"]
     settings = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1", "OMP_NUM_THREADS": "1"}
@@ -96,7 +99,7 @@ def loopback(folder, workers):
         wait_until(lambda: file.exists() and file.read_text())
         address = json.loads(file.read_text())["address"]
         count = ["--nworkers", str(workers), "--nthreads", "1", "--memory-limit", "0"]
-        worker = [*dask, "worker", address, *host, *count, "--local-directory", str(folder)]
+        worker = [*dask, "worker", address, *host, *count, *options, "--local-directory", str(folder)]
         processes.append(subprocess.Popen(worker, **silent))
         yield Loopback(address, processes)
     finally:
@@ -169,10 +172,11 @@ def test_a_small_sweep_by_the_command(scene, tmp_path, capsys):
     assert (cli._status(arguments), (place / RECORDS).read_bytes(), table(place)) == (0, content, rows)
 
 
-def test_what_a_combination_makes_impossible_is_a_refused_row(scene, cluster, tmp_path):
+def test_what_a_combination_makes_impossible_is_a_refused_row(scene, tmp_path):
     """A small sweep on a cluster."""
     place, varied = tmp_path / "sweep", ("corner.reaction=drag,none", "corner.friction=0.1,0.9")
-    result = perform(definition_of(scene, varied), place, cluster)
+    with loopback(tmp_path, 1, "--no-nanny") as cluster:
+        result = perform(definition_of(scene, varied), place, cluster.address)
     assert result.statuses == {"passed": 2, "failed": 0, "refused": 2, "error": 0}
     refused = [row for row in table(place) if row["status"] == "refused"]
     assert {row["corner.reaction"] for row in refused} == {"none"}
@@ -255,7 +259,7 @@ def test_interrupted_and_resumed(where, scene, cluster, undisturbed, tmp_path):
 PRELOADED = """
     import sys
     from tailslap.campaign import pools
-    pools.LIBRARIES, pools.START_S = ("preloaded",), float(sys.argv.pop(1))
+    pools.NEEDED, pools.LIBRARIES, pools.START_S = (), ("preloaded",), float(sys.argv.pop(1))
     from tailslap.cli import main
     main()
 """
