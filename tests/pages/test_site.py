@@ -78,8 +78,8 @@ SMALLER: tuple[tuple[object, dict[str, object]], ...] = (
 
 SHORTENED = {
     "tailslap explore impact-mash-tl4-sut": " --headless",
-    "tailslap confirm paper-table-3": " --set plate.elements=[4,2]",
-    "tailslap modes paper-table-3": " --count 2",
+    "tailslap confirm paper-table-3": " --set plate.elements=[2,1]",
+    "tailslap modes paper-table-3": " --count 2 --set plate.elements=[8,2]",
     "tailslap modes impact-mash-tl5-tractor-van": " --count 2",
     "tailslap study stability paper-table-3": " --random 2",
     "tailslap study stability impact-mash-tl4-sut": " --points 2",
