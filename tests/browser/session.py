@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib.util
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -54,28 +55,49 @@ def opened(
 
     place: of its file, or its address; width: in pixels; is_paper: in the layout of paper; options: of Playwright.
     """
-    view = {"width": width, "height": 900}
-    options |= {"viewport": view, "color_scheme": scheme, "java_script_enabled": scripts}
-    context = browser.new_context(**options)
-    try:
-        session = Opened(context.new_page())
-        address = place if isinstance(place, str) else place.resolve().as_uri()
-        _listen(session, address)
-        if is_paper:
-            session.page.emulate_media(media="print")
-        session.page.goto(address)
-        session.page.evaluate(
-            "() => document.querySelectorAll('details').forEach((part) => (part.open = true))"
-        )
+    address = place if isinstance(place, str) else place.resolve().as_uri()
+    if not scripts:
+        options["java_script_enabled"] = False
+    with _tab(browser, options) as tab, _listening(session := Opened(tab), address):
+        tab.set_viewport_size({"width": width, "height": 900})
+        media = "print" if is_paper else "null"  # that of the window, or of a PDF
+        motion = options.get("reduced_motion", "no-preference")
+        tab.emulate_media(media=media, color_scheme=scheme, reduced_motion=motion)
+        tab.goto(address)
+        tab.evaluate("() => document.querySelectorAll('details').forEach((part) => (part.open = true))")
         if scripts:
-            session.page.evaluate("typeof prepareAll === 'undefined' || prepareAll()")
+            tab.evaluate("typeof prepareAll === 'undefined' || prepareAll()")
         yield session
-    finally:
-        context.close()
 
 
-def _listen(session: Opened, address: str) -> None:
-    """Note errors, and requests to other addresses."""
+@contextmanager
+def _tab(browser: Any, options: dict[str, Any]) -> Iterator[Any]:
+    """A tab without content.
+
+    Without options it is one for all pages of the browser, since a new one takes longer than most pages.
+    """
+    if options:
+        context = browser.new_context(**options)
+        try:
+            yield context.new_page()
+        finally:
+            context.close()
+        return
+    tab = _first_tab(browser)
+    tab.goto("about:blank")
+    tab.mouse.move(0, 0)
+    yield tab
+    tab.goto("about:blank")
+
+
+@functools.lru_cache(maxsize=1)
+def _first_tab(browser: Any) -> Any:
+    return browser.new_context().new_page()
+
+
+@contextmanager
+def _listening(session: Opened, address: str) -> Iterator[None]:
+    """Note errors of a page, and requests to other addresses."""
     own = "/".join(address.split("/")[:3]) if address.startswith("http") else address.partition("#")[0]
 
     def message(entry: Any) -> None:
@@ -86,6 +108,12 @@ def _listen(session: Opened, address: str) -> None:
         if not sent.url.startswith((own, "data:")):
             session.requests.append(sent.url)
 
-    session.page.on("console", message)
-    session.page.on("pageerror", lambda error: session.errors.append(str(error)))
-    session.page.on("request", request)
+    def failure(error: Any) -> None:
+        session.errors.append(str(error))
+
+    listeners = {"console": message, "pageerror": failure, "request": request}
+    for event, listener in listeners.items():
+        session.page.on(event, listener)
+    yield
+    for event, listener in listeners.items():
+        session.page.remove_listener(event, listener)

@@ -226,8 +226,8 @@ def test_a_filter_is_chosen_and_stands_in_the_address(opened):
         tab.select_option("#filter", label=LABELS[name])
         assert f"filter={name}" in tab.evaluate("location.hash")
         assert LABELS[name] in tab.inner_text("#keys")
-    again = opened(tab.evaluate("location.hash"))
-    assert again.inner_html("#force") == tab.inner_html("#force")
+    drawn = tab.inner_html("#force")
+    assert opened(tab.evaluate("location.hash")).inner_html("#force") == drawn
 
 
 REFUSED = {
