@@ -270,19 +270,6 @@ def by_law(laws: Laws, kernel: str) -> Function:
     return generic
 
 
-def optional(merged: bool = False) -> Function:
-    """Decorate a function of compiled code for a first argument None.
-
-    `implements` adds those for other types.
-    """
-
-    def register(function: Function) -> Function:
-        implements(function, type(None), merged)(function)
-        return function
-
-    return register
-
-
 def implements(generic: Function, kind: type, merged: bool = False) -> Function:
     """Decorate the implementation of `generic` for a type of first argument.
 

@@ -175,7 +175,7 @@ def test_keys_without_a_row_are_found():
 def test_every_column_of_a_run_has_a_row():
     from tailslap.result.columns import corner_columns, impact_columns
 
-    axle = ["plate.elements=[8,2]", 'axle=[{position="2 m",friction=0.7}]']
+    axle = ["plate.elements=[8,2]", 'axle=[{position="2 m",friction=0.7},{position="8 m"}]']
     scenes = {"paper-table-3": ["plate.elements=[8,2]"], "impact-mash-tl4-sut": axle}
     for (scene, changes), columns in zip(scenes.items(), (corner_columns(), impact_columns()), strict=True):
         result = tailslap.run(scene, changes)

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from random_kernels import LINE, REFUSED, function_of
 
-from machine_code.compiled import Kernel, by_law, chosen, compact, compiled, implements, inlined, optional
+from machine_code.compiled import Kernel, by_law, chosen, compact, compiled, implements, inlined
 from machine_code.object_code import UnknownTypeError
 from machine_code.values import Array, TranslationError
 
@@ -219,7 +219,7 @@ def test_stored_numbers_have_the_type_of_the_array(dtype):
 
 
 def test_functions_are_chosen_by_the_types_of_arguments():
-    """By constants of a law, an optional part, and the values."""
+    """By constants of a law, the type of a part, and the values."""
 
     class Laws:
         def by_type(self, kind):
@@ -235,9 +235,8 @@ def test_functions_are_chosen_by_the_types_of_arguments():
 
     force = by_law(Laws(), "force")
 
-    @optional()
     def energy(law, x):
-        return 0.0
+        raise NotImplementedError
 
     @implements(energy, Spring, merged=True)
     def _(law, x):
@@ -254,7 +253,7 @@ def test_functions_are_chosen_by_the_types_of_arguments():
         return force(law, x), energy(extra, x), item(values, 1) + item(x, 1)
 
     kernel = compiled(use)
-    assert kernel(Spring(3.0), None, np.array([1.0, 5.0]), 2.0) == (-6.0, 0.0, 7.0)
+    assert kernel(Spring(3.0), Spring(2.0), np.array([1.0, 5.0]), 2.0) == (-6.0, 4.0, 7.0)
     assert kernel(Dashpot(3.0), Spring(4.0), np.array([1.0, 5.0]), 2.0) == (6.0, 8.0, 7.0)
     with pytest.raises(TranslationError, match="a call of force"):
         kernel(Part(Spring(1.0), None, np.zeros(1)), None, np.zeros(2), 2.0)

@@ -314,6 +314,10 @@ def test_a_scene_with_axles():
     assert samples["strike_2.impulse"][1] == pytest.approx(other.motion.strikes[1].impulse, rel=2e-4)
     smooth, bare = changed(LINEAR_TRUCK, axle=[{"position": 1.3}]), changed(LINEAR_TRUCK)
     assert smooth.rigid_numbers() == bare.rigid_numbers()
+    slides = changed(LINEAR_TRUCK, axle=[TABLES[0] | {"friction": 0.0}, TABLES[1]])
+    assert slides.loads == case.loads
+    many = slides.many({"axle.1.friction": np.array([TABLES[1]["friction"]])})
+    assert many["strike_2.impulse"][0] == pytest.approx(slides.motion.strikes[1].impulse, rel=2e-4)
 
 
 @pytest.mark.parametrize(("axle", "key"), [

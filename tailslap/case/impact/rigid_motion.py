@@ -142,8 +142,8 @@ class RigidMotion(Case):
 
     @property
     def axles(self) -> tuple[impact.TyreAxle, ...]:
-        """Axles whose tyres have friction."""
-        axles = (axle for axle in self.scene.axle if axle.friction)
+        """Axles, none without any friction; one that slides carries its load."""
+        axles = self.scene.axle if any(axle.friction for axle in self.scene.axle) else ()
         return tuple(
             impact.TyreAxle(axle.position, axle.friction, axle.cornering, axle.unit - 1) for axle in axles
         )
