@@ -219,7 +219,7 @@ def test_stored_numbers_have_the_type_of_the_array(dtype):
 
 
 def test_functions_are_chosen_by_the_types_of_arguments():
-    """By constants of a law, the type of a part, and the values."""
+    """By constants of a law, types of parts, and values."""
 
     class Laws:
         def by_type(self, kind):

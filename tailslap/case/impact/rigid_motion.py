@@ -142,7 +142,10 @@ class RigidMotion(Case):
 
     @property
     def axles(self) -> tuple[impact.TyreAxle, ...]:
-        """Axles, none without any friction; one that slides carries its load."""
+        """Axles, or none where no tyre has friction.
+
+        One without friction carries its load.
+        """
         axles = self.scene.axle if any(axle.friction for axle in self.scene.axle) else ()
         return tuple(
             impact.TyreAxle(axle.position, axle.friction, axle.cornering, axle.unit - 1) for axle in axles
