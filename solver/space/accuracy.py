@@ -30,6 +30,9 @@ BALANCE = 0.25 * math.pi
 TOLERANCE, REFINEMENTS, POINTS, MOST_POINTS = 1e-3, 6, 2.0, 8.0
 """Largest error, most refinements of step or points, first and most points of a strip over those of many motions."""
 
+MOST_CHOSEN = 1024
+"""Most chosen steps of an interval; more would take minutes of processor time before an error is stated."""
+
 FORMER, UNRESOLVED = 0.25, 0.1
 """Part of the change before the last that counts, as in a scheme of second order, and the change from which a step does
 not resolve the motion and does not count. A single change may be small by chance."""
@@ -170,6 +173,8 @@ def refine(case, tolerance, parts, finer):
                 finer, former_step = 2.0 * finer, np.inf
                 at[0], at[2] = at[2], at[0]
                 is_solved = run(case, max(parts // 2, 1), finer, 0.0, at[1])
+            elif 2 * parts > MOST_CHOSEN:
+                break
             else:
                 parts, former_strip = 2 * parts, np.inf
                 at[0], at[1] = at[1], at[0]

@@ -10,7 +10,7 @@ from machine_code.compiled import OnCompile, compile_once, ignore_compiling
 from solver import rules
 from solver.conditions import Array, Gate, Number
 from solver.space import accuracy, columns, state
-from solver.space.accuracy import Choice, Motions
+from solver.space.accuracy import MOST_CHOSEN, Choice, Motions
 from solver.space.state import Clock, Fleet, SpaceWork, workspace
 from solver.space.vehicle import SpaceVehicle, SpaceWall, fleet_of
 
@@ -24,7 +24,7 @@ INTERVAL, PHASE = 2e-3, 0.4
 """Time between rows of many motions [s], and step times the rate of the fastest oscillation [rad]."""
 
 MOST_PARTS = 4096
-"""Most steps of an interval."""
+"""Most prescribed steps of an interval."""
 
 NO_PUSH, NOTHING = np.zeros((0, 5)), np.zeros((0, 2))
 """No force besides that of the wall; no answers."""
@@ -217,7 +217,7 @@ def steps_of(fleet: Fleet, interval: float, phase: float, step: float | None) ->
     parts = np.ceil(
         interval * rate / phase if step is None else np.full_like(rate, interval / step) * (1.0 - 1e-12)
     )
-    is_possible = parts <= MOST_PARTS
+    is_possible = parts <= (MOST_CHOSEN if step is None else MOST_PARTS)
     Gate().demand(rules.SPACE_STEPS, is_possible, rate)
     return np.maximum(parts, 1.0).astype(np.int64)
 

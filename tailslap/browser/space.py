@@ -11,9 +11,9 @@ from machine_code.compiled import compact, compiled
 from postprocess.signals.compiled_filters import centred_means
 from solver.space import columns
 from solver.space import state as col
-from solver.space.accuracy import solve_one
+from solver.space.accuracy import MOST_CHOSEN, solve_one
 from solver.space.columns import fastest, fill_sample
-from solver.space.solve import MOST_PARTS, SCAN
+from solver.space.solve import SCAN
 from solver.space.step import follow, lowest_wall
 from solver.space.vehicle import GYRATION
 from tailslap.browser.bands import calibrate, explain, fill_percentiles, spread
@@ -261,8 +261,8 @@ def prepare(values, nominal, parts, room, i, is_varied):
         return OF_COLUMNS + reason, item
     rate = fastest(room.fleet, 0)
     steps = max(np.ceil(room.clock.interval * rate / room.phase), 1.0)
-    room.limit[0], room.clock.parts[0] = rate, int(min(steps, float(MOST_PARTS)))
-    return (POSSIBLE if steps <= float(MOST_PARTS) else STEPS), 0
+    room.limit[0], room.clock.parts[0] = rate, int(min(steps, float(MOST_CHOSEN)))
+    return (POSSIBLE if steps <= float(MOST_CHOSEN) else STEPS), 0
 
 
 @compiled
