@@ -1,5 +1,7 @@
 """Random kernels compared with Python, and statements outside of their language.
 
+    .venv/bin/python tests/verification/random_kernels.py [--kernels 2000] [--outside 200] [--first 0]
+
 Exact: all numbers are multiples of powers of 1/2 of few digits, or NaN or infinite, so that no result is rounded.
 Results have the same type and sign of zero, and arrays the same content. Programs that raise in Python are omitted,
 and signs of NaN, which no rule determines.
@@ -9,12 +11,16 @@ import linecache
 import math
 import random
 import re
+import sys
+import tempfile
 import warnings
+from collections import Counter
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from machine_code.compiled import Kernel
+from machine_code.system import folder
 from machine_code.values import TranslationError
 
 LINE = re.compile(r"(<kernel -?\d+>|.*random_kernels\.py):[1-9]\d*: a kernel cannot have ")
@@ -323,3 +329,28 @@ def check_outside(seed: int) -> str:
         if LINE.match(str(error)):
             return "refused"
     raise AssertionError(f"seed {seed}: {statement} is not refused")
+
+
+def main() -> int:
+    """Print how many kernels are the same, refused, or raise in Python."""
+    options = dict(zip(sys.argv[1::2], map(int, sys.argv[2::2]), strict=True))
+    first, count = options.get("--first", 0), options.get("--kernels", 2000)
+    outcomes: Counter[str] = Counter()
+    with tempfile.TemporaryDirectory() as place:
+        folder.cache_folder = lambda: folder.Path(place, "code")
+        for what, function, number in (
+            ("", check, count),
+            ("outside ", check_outside, options.get("--outside", 200)),
+        ):
+            for seed in range(first, first + number):
+                try:
+                    outcomes[what + function(seed)] += 1
+                except AssertionError as error:
+                    outcomes[what + "DIFFERENT"] += 1
+                    print(error)
+    print(", ".join(f"{what} {number}" for what, number in sorted(outcomes.items())))
+    return int(any("DIFFERENT" in what for what in outcomes))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
