@@ -19,8 +19,9 @@ RANKS = {LOGICAL: 0, INTEGER: 1, FLOAT: 2}
 
 NAMES = {LOGICAL: "a truth value", INTEGER: "an integer", FLOAT: "a float"}
 
-ITEMS = {"d": "double", "q": "i64", "l": "i64", "i": "i32", "?": "i8", "D": "{double, double}"}
-"""LLVM's types of the items of arrays, by NumPy's character of the type.
+LONG = f"i{8 * np.dtype('l').itemsize}"
+ITEMS = {"d": "double", "q": "i64", "l": LONG, "i": "i32", "?": "i8", "D": "{double, double}"}
+"""LLVM's types of the items of arrays, by NumPy's character of the type; C's long has 32 bits on Windows.
 
 Arithmetic of NumPy's shorter and unsigned integers and of its short floats is not that of 64 bits.
 """

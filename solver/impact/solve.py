@@ -253,7 +253,8 @@ def solve_impact(
     step : float or None
         Time step [s]; None: chosen by the tolerance.
     tolerance : float
-        Tolerance of peaks, impulses and spin, by which the step is chosen [-].
+        Tolerance of peaks, impulses and spin, by which the step is chosen; it doubles with each further halving, and
+        the error says what is reached [-].
     on_compile : callable
         Called when code is compiled, see `machine_code.compiled.compile_once`.
     trailers : sequence of HitchedVehicle
