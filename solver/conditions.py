@@ -160,7 +160,7 @@ def refusal(rule: Rule, values: Number, met: Met = False, **details: Number | st
     numbers = {name: entry for name, entry in row.items() if not isinstance(entry, str)}
     row |= {f"{name}_deg": math.degrees(number) for name, number in numbers.items()}  # of angles
     why = rule.why.format(**row) if np.isfinite(value) else "it is not a finite number"
-    place = f" at index {index if len(index) > 1 else index[0]}" if index else ""
+    place = f" at index {index if len(index) > 1 else index[0]}" if met.size > 1 else ""
     return RigidBodyError(rule.key, f"{value:.10g}{place}", why, rule.allowed.format(**row))
 
 

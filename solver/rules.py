@@ -78,8 +78,8 @@ INITIAL_FORCE = Rule("initial_force", "contact is unilateral", "0 or more, and f
 AXLE = Rule("axle", "an axle is below its vehicle", "from 0 to the length, {length:.6g} m")
 AXLE_LOAD = Rule(
     "axle",
-    "the axles cannot carry the vehicle: the load of this one would be {load:.4g} N",
-    "axles before and behind the centre of mass, of a trailer behind the kingpin",
+    "the axles cannot carry the vehicle: this one would have to pull it down",
+    "axles before and behind the centre of mass, or a lone one there; of a trailer behind the kingpin",
 )
 AXLE_UNIT = Rule("axle", "there is no such unit", "from 0 to {most}")
 TYRE = Rule("axle", "the side force of the tyres resists sliding", "0 or more, and finite")

@@ -98,7 +98,7 @@ def tyres_of(train: Train, axles: Sequence[Mapping[str, Any]], centres: Array, l
     along = centres[unit] - position
     load = axle_loads(train.mass, train.hitch, train.kingpin, unit, along)
     for a in range(len(unit)):
-        demand(rules.AXLE_LOAD, f"axle.{a}.position", load[a] >= 0.0, position[a], load=load[a])
+        demand(rules.AXLE_LOAD, f"axle.{a}.position", load[a] >= 0.0, position[a])
     if not friction.any():
         return no_tyres(train)
     workspace = np.zeros(len(unit)), np.zeros(3 * count), np.zeros(count * len(SUMS))

@@ -216,7 +216,7 @@ def _refuse(vehicle: SpaceVehicle, reason: int, sample: int, item: int, limit: f
     value: Any = getattr(getattr(vehicle, table)[item], name)
     rule = getattr(rules, columns.REASONS[reason])._replace(key=key)
     met: Any = np.arange(n) != sample if n > 1 else False
-    names = ("axles", "radius", "least", "length", "load", "most", "stiffness")
+    names = ("axles", "radius", "least", "length", "most", "stiffness")
     raise refusal(
         rule, np.max(value) if isinstance(value, tuple) else value, met, **dict.fromkeys(names, limit)
     )
