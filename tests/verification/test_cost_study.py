@@ -288,7 +288,7 @@ def test_a_study_of_a_whole_impact_on_a_coarse_plate(tmp_path, capsys):
     arguments = ["study", "cost", LINEAR_TRUCK, "--set", "plate.elements=[8, 4]", "--out", str(out)]
     soft = ["--set", "plate.first_frequency=20 Hz", "--set", "plate.youngs_modulus="]
     assert _status([*arguments, *soft]) == 0
-    assert capsys.readouterr().out.startswith("Finite elements compute both strikes within ")
+    assert "Finite elements compute both strikes within " in " ".join(capsys.readouterr().out.split())
     summary = json.loads((out / "summary.json").read_text())
     error = {point["setting"]: point["error"] for point in summary["points"]}
     rigid = error.pop("rigid vehicle: fixed step")
