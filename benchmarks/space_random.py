@@ -191,7 +191,9 @@ def solved(seed: int, runs: int, number: int) -> Record:
     }
     outcome = UNDECIDED if abs(float(wall.height) - lowest) <= lowest_error else motion.outcome
     height = true["height"]
-    errors["height"] = min(abs(other - height) for other in motion.heights) / max(height, COMPARED["height"])
+    errors["height"] = min(abs(resultant - height) for resultant in motion.heights) / max(
+        height, COMPARED["height"]
+    )
     return {
         "number": number, "seed": seed, "seconds": spent, "stated": motion.error, "step": motion.step,
         "points": motion.points, "parts": [motion.step_error, motion.strip_error, motion.other_error],

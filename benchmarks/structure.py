@@ -174,7 +174,7 @@ def circles(root: Path = ROOT) -> list[list[str]]:
     """
     graph = {name: imported - {name} for name, imported in import_graph(root).items()}
     reach = {name: _reached(graph, name) for name in graph}
-    groups = {frozenset(other for other in reach[name] if name in reach[other]) for name in graph}
+    groups = {frozenset(imported for imported in reach[name] if name in reach[imported]) for name in graph}
     return sorted(sorted(group) for group in groups if len(group) > 1)
 
 

@@ -80,8 +80,8 @@ def join(hinges, hinge_state, positions, velocities, mass, time_step, force):
             hinge_state.gap[axis, h] = gap
         for h in range(count):
             closing = 0.0
-            for other in range(count):
-                closing -= hinges.inertia[h, other] * hinge_state.gap[axis, other]
+            for k in range(count):
+                closing -= hinges.inertia[h, k] * hinge_state.gap[axis, k]
             hinge_state.force[axis, h] = closing / time_step**2
             for k in range(hinges.first[h], hinges.first[h + 1]):
                 f[hinges.nodes[k]] += hinges.weights[k] * hinge_state.force[axis, h]

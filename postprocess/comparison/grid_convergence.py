@@ -66,19 +66,19 @@ def grid_convergence(fine: float, medium: float, coarse: float) -> GridConvergen
     Values that oscillate, diverge or hardly converge are not extrapolated; their indices are the relative changes times
     the cautious factor.
     """
-    known = (fine, medium, coarse), (RATIO, RATIO)
+    inputs = (fine, medium, coarse), (RATIO, RATIO)
     behaviour, order = _behaviour(medium - fine, coarse - medium, abs(fine))
     if behaviour == "settled":
-        return GridConvergence(*known, behaviour, math.nan, fine, 0.0, 0.0, 1.0)
+        return GridConvergence(*inputs, behaviour, math.nan, fine, 0.0, 0.0, 1.0)
     fine_change, coarse_change = abs((fine - medium) / fine), abs((medium - coarse) / medium)
     if behaviour != "converging":
         cautious = (CAUTIOUS_FACTOR * fine_change, CAUTIOUS_FACTOR * coarse_change)
-        return GridConvergence(*known, behaviour, order, fine, *cautious, math.nan)
+        return GridConvergence(*inputs, behaviour, order, fine, *cautious, math.nan)
     growth = RATIO**order - 1.0
     gci_fine, gci_coarse = SAFETY_FACTOR * fine_change / growth, SAFETY_FACTOR * coarse_change / growth
     asymptotic = gci_coarse / (RATIO**order * gci_fine)
     extrapolated = fine + (fine - medium) / growth
-    return GridConvergence(*known, behaviour, order, extrapolated, gci_fine, gci_coarse, asymptotic)
+    return GridConvergence(*inputs, behaviour, order, extrapolated, gci_fine, gci_coarse, asymptotic)
 
 
 def _behaviour(first: float, second: float, size: float) -> tuple[str, float]:

@@ -246,9 +246,9 @@ def _base64(content: bytes) -> str:
 
 def all_scenes(first: str) -> list[str]:
     """Return a scene, those of the program behind it, and plates."""
-    known, whole = scenes(), f"impact-{first}"
-    impacts = [name for name in known if name.startswith("impact-")]
-    return list(dict.fromkeys([first, *([whole] if whole in known else []), *impacts, *plate.SCENES]))
+    shipped, whole = scenes(), f"impact-{first}"
+    impacts = [name for name in shipped if name.startswith("impact-")]
+    return list(dict.fromkeys([first, *([whole] if whole in shipped else []), *impacts, *plate.SCENES]))
 
 
 class _Numbered(dict[Item, int]):

@@ -38,30 +38,30 @@ def results(saved_results, tmp_path):
     return tmp_path / "a"
 
 
-def flipped(path, other):
+def flipped(path, undamaged):
     content = bytearray(path.read_bytes())
     content[len(content) // 2] ^= 4
     path.write_bytes(content)
 
 
-def cut(path, other):
+def cut(path, undamaged):
     os.truncate(path, path.stat().st_size // 2)
 
 
-def swapped(path, other):
-    shutil.copyfile(other, path)
+def swapped(path, undamaged):
+    shutil.copyfile(undamaged, path)
 
 
-def removed(path, other):
+def removed(path, undamaged):
     path.unlink()
 
 
-def linked(path, other):
+def linked(path, undamaged):
     path.unlink()
-    path.symlink_to(other)
+    path.symlink_to(undamaged)
 
 
-def piped(path, other):
+def piped(path, undamaged):
     path.unlink()
     os.mkfifo(path)
 
@@ -201,37 +201,37 @@ def test_a_copy_has_no_damaged_file(results, tmp_path):
 
 
 def test_a_result_that_is_replaced_while_it_is_read_is_one_of_the_two(results, monkeypatch):
-    other = tailslap.load(results / "other")
+    loaded = tailslap.load(results / "other")
     for forced in (False, True):
         place, demand = results / "run", load.Stored.demand_manifest
 
         def replace(stored, place=place, demand=demand):
             demand(stored)
-            other.save(place, force=True)
+            loaded.save(place, force=True)
 
         monkeypatch.setattr(load.Stored, "demand_manifest", replace)
         result = tailslap.load(place, force=forced)
         monkeypatch.setattr(load.Stored, "demand_manifest", demand)
-        assert result.summary == other.summary
-        np.testing.assert_array_equal(result.history["v_gy"], other.history["v_gy"])
+        assert result.summary == loaded.summary
+        np.testing.assert_array_equal(result.history["v_gy"], loaded.history["v_gy"])
         shutil.rmtree(place)
         shutil.copytree(results / "rigid", place)
 
 
 def test_what_a_dead_command_left_is_finished_before_it_is_read(results, monkeypatch):
-    other, place = tailslap.load(results / "other"), results / "run"
+    loaded, place = tailslap.load(results / "other"), results / "run"
     with monkeypatch.context() as patch:
         died = pytest.raises(InputError, match="the next command completes it")
         with died, folder.result_folder(place, force=True) as new:
-            assert other.fill is not None
-            other.fill(new, True, "si")
+            assert loaded.fill is not None
+            loaded.fill(new, True, "si")
             patch.setattr(folder, "_finish_log", mock.Mock(side_effect=PermissionError))  # it dies here
         assert (place / manifest.LOG).exists()
     with monkeypatch.context() as patch:
         patch.setattr(os, "access", lambda path, mode: False)  # a reader who may not write
-        assert tailslap.load(place).summary == other.summary
+        assert tailslap.load(place).summary == loaded.summary
     assert (place / manifest.LOG).exists()
-    assert tailslap.load(place).summary == other.summary
+    assert tailslap.load(place).summary == loaded.summary
     assert not (place / manifest.LOG).exists()
 
 
