@@ -37,6 +37,20 @@ def test_a_strip_at_the_rear_may_be_in_other_units():
     assert "rear" in {strike["corner"] for strike in strikes}
 
 
+@pytest.mark.parametrize(("speed", "angle", "end", "law", "key"), [
+    (-1.0, 0.26, None, {}, "speed"), (25.0, -0.1, None, {}, "angle"), (25.0, math.nan, None, {}, "angle"),
+    (25.0, 0.26, -1.0, {}, "end"), (25.0, 0.26, None, {"restitution": 3.0}, "strip.0.restitution"),
+    (25.0, 0.26, None, {"initial_force": 1e6}, "strip.0.plateau"),
+    (25.0, 0.26, None, {"restitution": 0.0, "unloading": 1e5}, "strip.0.unloading"),
+])  # fmt: skip
+def test_python_refuses_what_a_scene_refuses(speed, angle, end, law, key):
+    first, *others = truck().strips
+    vehicle = replace(truck(), strips=(replace(first, **law), *others))
+    with pytest.raises(RigidBodyError) as caught:
+        solve_space(vehicle, SpaceWall(0.9), speed, angle, end=end)
+    assert caught.value.key == key
+
+
 def test_values_that_are_not_finite_are_refused():
     with pytest.raises(RigidBodyError, match=r"body.roll_inertia is nan, but it is not a finite number"):
         solve_space(truck(truck_unit(roll_inertia=math.nan)), SpaceWall(0.9), 25.0, 0.26)
