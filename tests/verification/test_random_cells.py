@@ -425,3 +425,10 @@ def test_every_check_has_advice(start):
     scene, source = vary(SMALL, {"plate.start": start, "verify.tolerance": 1e-3})
     names = {check.name for check in CornerCase(scene, source).run().checks}
     assert names <= {name for name, kind in CHECKS.items() if kind.advice}
+
+
+def test_a_command_leaves_no_journal_beside_its_result(tmp_path, monkeypatch):
+    monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
+    monkeypatch.chdir(tmp_path)
+    assert _status(["study", "stability", "mash-tl4-sut", "--random", "2", "--out", "out"]) == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
